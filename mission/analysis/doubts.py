@@ -9,9 +9,10 @@ is told by its limit. What does not live here: what health is (navigation.health
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
+from mission.analysis.resting import SILENT_S
 from mission.model import Health, Record
 from mission.model.shown import clock, duration
 from mission.model.vehicle import Vehicle
@@ -154,3 +155,19 @@ def summed(spells: Iterable[Spell]) -> list[tuple[str, ...]]:
 def lasting(spells: Iterable[Spell]) -> float:
     """s in all."""
     return sum(spell.end - spell.first for spell in spells)
+
+
+def doubted_depth(spells: Iterable[Spell], fixes: Iterable[float]) -> Iterator[str]:
+    """Of a depth that could not be believed for long; ``fixes``: when they came."""
+    deep = [spell for spell in spells if spell.sensor == "depth"]
+    if (lasted := lasting(deep)) < SILENT_S:
+        return
+    reasons = ", ".join(dict.fromkeys(spell.reason for spell in deep))
+    when = f"between {clock(deep[0].first)} and {clock(deep[-1].end)}"
+    found = [t for t in fixes if any(one.first <= t <= one.end for one in deep)]
+    known = "how deep it truly was then is not known"
+    if found:
+        came = f"{len(found)} fixes came between {clock(found[0])} and {clock(found[-1])}"
+        known = f"{known}, but {came}, and those come at the surface alone"
+    lasts = duration(round(lasted))
+    yield f"Its depth was not to be believed ({reasons}) for {lasts} {when}: {known}."

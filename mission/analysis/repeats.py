@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from mission.model.shown import clock
 from mission.onboard.stream.events import HELD, answers_in, frame_text
@@ -17,6 +17,7 @@ _ADDRESS = 4  # bytes: a CAN identifier, or the head of a board's frame with its
 _MEASURED = re.compile(r"(?<=the depth is )-?[\d.]+ m, no less")
 _ASCENT_S = 60.0  # between two of the same words of an ascent that goes on
 _WORD = re.compile(rb"@(?:ZA([A-Z])|([A-Z]{2}))[^@$]*\$")  # @ZAX0$ is answered as ZX
+_BEGUN = re.compile(r"^entry of (\S+)(?=: after )")  # of an ascent that goes on in an emergency
 _ROUND_S = 1.0  # a frame that comes again so soon is held, whatever else is said between
 
 
@@ -93,6 +94,18 @@ class Refusals:
             self._last[answer, why, to] = run = _Run(answer, why, t, t)
             self._runs.append((run, to))
 
+    def of(self, to: str) -> Iterator[str]:
+        """What that one refused, frame by frame."""
+        refused: dict[str, _Run] = {}
+        for run, who in self._runs:
+            if who == to and run.what in refused:
+                before = refused[run.what]
+                before.count, before.end = before.count + run.count, run.end
+            elif who == to:
+                refused[run.what] = replace(run)
+        for run in list(refused.values())[:_MOST]:
+            yield f"The {to} refused {run.what} {run.when}: it answered N."
+
     def rows(self) -> list[tuple[str, ...]]:
         """When it began, answer, why, to whom; in the order of their beginnings."""
         return [(*run.row, to) for run, to in self._runs]
@@ -105,9 +118,17 @@ class Commands:
     def __init__(self) -> None:
         self._rows = Rows(_ROUND_S)
         self._vain: dict[str, _Run] = {}
+        self._silent: dict[str, int] = {}  # how often the last try had no answer either
+        self._waiting = ""  # a frame whose last try left
+
+    def heard(self, data: bytes) -> None:
+        """Of the vehicle."""
+        if b"@ACK_" in data:
+            self._waiting = ""
 
     def add(self, t: float, data: bytes, why: str) -> None:
         frame = frame_text(data)
+        self._give_up()
         address = "" if data.startswith(b"@") else data[:_ADDRESS].hex()
         self._rows.add(t, frame, why.removesuffix(HELD), address)
         tried = _TRY.search(why)
@@ -117,6 +138,13 @@ class Commands:
             self._vain[frame].goes_on(t)
         else:
             self._vain[frame] = _Run(frame, tried[2], t, t)
+        self._waiting = frame
+
+    def _give_up(self) -> None:
+        """Nothing was answered, and something else leaves, or the recording ends."""
+        if self._waiting:
+            self._silent[self._waiting] = self._silent.get(self._waiting, 0) + 1
+        self._waiting = ""
 
     def rows(self) -> list[tuple[str, ...]]:
         """When, the first frame and reason; what was said over and over once."""
@@ -124,11 +152,25 @@ class Commands:
 
     def in_vain(self) -> Iterator[str]:
         """What the vehicle did not answer at once, the most frequent first."""
+        self._give_up()
         some = sorted(self._vain.values(), key=lambda run: -run.count)
         for run in some[:_MOST]:
-            yield f"{run.what} took all of its {run.why} tries {run.when}: no answer to the others."
+            yield f"{run.what} took all of its {run.why} tries {run.when}: {self._answered(run)}."
         if len(some) > _MOST:
             yield f"So did {len(some) - _MOST} other frames."
+
+    def _answered(self, run: _Run) -> str:
+        """Of the last tries; what a board without ``@ACK_`` answered is not told apart."""
+        silent = self._silent.get(run.what, 0)
+        if not run.what.startswith("@"):
+            return "no answer to the others"
+        if silent == run.count:
+            return "no answer to any of them"
+        return (
+            f"{silent} times not even the last was answered"
+            if silent
+            else ("only the last was answered")
+        )
 
 
 class Words:
@@ -184,6 +226,7 @@ class Again:
 
     def add(self, t: float, what: str, why: str, says: list[str]) -> None:
         """Adds a sentence to ``says``, or tells more in its own."""
+        why = _BEGUN.sub(r"the ascent that \1 began", why)
         root = why.partition(": after ")[0]
         if self._place is not None and self._run.why == root:
             self._run.goes_on(t)

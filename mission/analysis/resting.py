@@ -13,6 +13,8 @@ from mission.model.regions import EMERGENCY, IDLE
 from mission.model.shown import clock, duration
 
 WAITED_S = 30.0  # at the surface without a fix: then it is told
+GAP_S = 10.0  # the same, where fixes came steadily before
+_STEADY_S, _STEADY = 5.0, 5  # s between two fixes, and so many in a row
 SILENT_S = 5.0  # between two reports
 _TOP_M = 1.0  # a depth at which a receiver hears
 _SANK_M = 2.0
@@ -25,6 +27,7 @@ class Unfixed:
     def __init__(self) -> None:
         self._since: float | None = None  # at the surface, or the last fix there
         self._reported = 0.0
+        self._steady = 0  # fixes in a row
 
     def report(self, t: float, depth: float | None, believed: bool) -> Iterator[str]:
         silent, self._reported = t - self._reported > SILENT_S, t
@@ -34,19 +37,27 @@ class Unfixed:
             self._since = t if self._since is None else self._since
         else:
             yield from self._over(t)
+            self._steady = 0
 
     def fix(self, t: float) -> Iterator[str]:
-        if self._since is not None:
+        since = self._since
+        if since is not None:
             yield from self._over(t)
             self._since = t
+            self._steady = self._steady + 1 if t - since <= _STEADY_S else 0
 
     def at_last(self, end: float) -> Iterator[str]:
         yield from self._over(end)
 
     def _over(self, t: float) -> Iterator[str]:
         since, self._since = self._since, None
-        if since is not None and t - since >= WAITED_S:
-            waited = duration(round(t - since))
+        if since is None:
+            return
+        waited = duration(round(t - since))
+        if self._steady >= _STEADY and GAP_S <= t - since < WAITED_S:
+            when = f"{clock(since)} to {clock(t)}"
+            yield f"{when}: no fix for {waited}, though it was at the surface."
+        elif t - since >= WAITED_S:
             yield f"{clock(t)}: until then it had been at the surface without a fix for {waited}."
 
 

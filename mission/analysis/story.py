@@ -9,68 +9,33 @@ does not live here: single lines (journal), pictures (report), how it is printed
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from typing import Any
 
 from mission.analysis.chapters import Chapter, tabled
-from mission.analysis.doubts import Doubts, Spell, lasting, summed
+from mission.analysis.doubts import Doubts, Spell, doubted_depth, summed
 from mission.analysis.ended import ended_by
 from mission.analysis.extremes import Extremes
+from mission.analysis.gathered import UNITS, Least, Leg, Told
 from mission.analysis.journal import goes_on, restart
 from mission.analysis.lastly import Lastly
-from mission.analysis.repeats import Again, Commands, Refusals, Rows, Words
-from mission.analysis.resting import SILENT_S
 from mission.analysis.unsaid import Absence, Power, Unsaid
 from mission.engine.limits import LIMITS
-from mission.model import AUTONOMOUS, IMPLICIT_SURFACE, By, Chart, Position, Record, Step
+from mission.model import AUTONOMOUS, IMPLICIT_SURFACE, By, Chart, Position, Record, Step, Tx
 from mission.model.regions import EMERGENCY
-from mission.model.shown import clock, duration
+from mission.model.shown import clock
 from mission.onboard.blackbox import Gap
 from mission.onboard.runtime import records as rec
 from mission.onboard.runtime.runtime import VEHICLE
 from mission.onboard.stream.derived import MARGINS, Derivation, Message
 from mission.onboard.stream.events import answers_in, bound_of, reason_of
-from mission.onboard.stream.topics import JOURNAL, STATE, TELEMETRY
+from mission.onboard.stream.topics import FIX, JOURNAL, STATE, TELEMETRY
 from mission.onboard.stream.wellknown import INFO
 
 REFUSED = "refused "  # how the engine's event of such an answer begins
-_SAME_AGAIN_S = 60.0  # an alarm or a refusal that comes again so soon is one row
 _CUT_SHORT = frozenset({By.TIMEOUT, By.ELSE, By.ON, By.UNCERTAIN})
 _OPERATORS = frozenset({"topside", "modem"})
-_UNITS = {"depth": "m", "radius": "m", "time": "s", "voltage": "V"}
-
-
-@dataclass(slots=True)
-class _Leg:
-    path: str
-    entered: float
-    left: float | None = None
-    because: str = "it was flown when the recording ended"
-
-
-@dataclass(slots=True)
-class _Least:
-    """The smallest margin to a limit, m, s or V, and when."""
-
-    left: float
-    t: float
-    bound: float
-
-
-@dataclass(slots=True)
-class _Told:
-    """What one run of the program did, as it is gathered."""
-
-    legs: list[_Leg] = field(default_factory=list)
-    commands: Commands = field(default_factory=Commands)
-    again: Again = field(default_factory=Again)
-    refusals: Refusals = field(default_factory=lambda: Refusals(_SAME_AGAIN_S))
-    alarms: Rows = field(default_factory=lambda: Rows(_SAME_AGAIN_S))
-    words: Words = field(default_factory=Words)
-    least: dict[str, _Least] = field(default_factory=dict)
-    says: list[str] = field(default_factory=list)
-    commanders: dict[str, None] = field(default_factory=dict)
+_ON_ITS_BEHALF = "answer of the STM32"  # the reason of such an answer, whether one came or not
 
 
 def story(recordings: Sequence[Sequence[Record | Gap]]) -> list[Chapter]:
@@ -90,7 +55,11 @@ def story(recordings: Sequence[Sequence[Record | Gap]]) -> list[Chapter]:
 
 def between(before: Sequence[Record | Gap], after: Sequence[Record | Gap]) -> Chapter:
     says = restart(before, after).strip("- ")
-    return Chapter("Between two recordings", (f"{says[0].upper()}{says[1:]}.",))
+    whole = [f"{says[0].upper()}{says[1:]}."]
+    if "began again" in says:
+        told = any(isinstance(one, Record) and one.kind == rec.ENDING for one in before)
+        whole.append("It had been told to end." if told else "Why it ended is not on record.")
+    return Chapter("Between two recordings", tuple(whole))
 
 
 Seen = Callable[[Record, Sequence[Message], Derivation], None]
@@ -108,7 +77,7 @@ class Teller:
         """``seen`` is handed each record with what follows from it: nothing is derived twice.
         ``home``: of the recording before, where the program only began again."""
         self._seen, self._lastly = seen, Lastly(home=home)
-        self._told = _Told()
+        self._told = Told()
         self._derivation: Derivation | None = None
         self._doubts: Doubts | None = None
         self._flown: Chart | None = None  # the mission that was started last
@@ -118,6 +87,8 @@ class Teller:
         self._bounds: dict[str, float] = {}  # the limits in force, as they were last
         self._breached: frozenset[str] | None = None  # limits; None: before the first are known
         self._end, self._state = 0.0, ""
+        self._fixes: list[float] = []  # when they came, s
+        self._acknowledged = b""  # the vehicle's last bytes with an acknowledgement
         for item in items:
             if isinstance(item, Gap):
                 self._gap(item)
@@ -158,18 +129,22 @@ class Teller:
     def _message(self, message: Message, derivation: Derivation, doubts: Doubts) -> None:
         believed = doubts.believes("depth", message.t)
         if message.topic == STATE:
-            self._look(message.t, message.value, derivation, believed)
+            self._look(message.t, message.value, derivation)
         elif message.topic == JOURNAL:
             self._journal(message.t, message.value)
         elif message.topic == TELEMETRY:
             depth = message.value["depth_m"]
-            self._told.again.report(depth)
+            absurd = doubts.reason("depth", message.t) == "absurd"
+            self._told.again.report(None if absurd else depth)
             self._extremes.last = depth if believed else None
             if believed and self._under_way:
                 self._extremes.report(message.t, depth)
+                self._near_depth(message.t, depth, derivation)
         origin = self._origin
         by_hand = self._state.startswith("manual")
         self._lastly.receive(message)
+        if message.topic == FIX:
+            self._fixes.append(message.t)
         self._told.says += self._unsaid.receive(message, origin, believed, by_hand)
 
     def _begin(self, start: rec.Start) -> None:
@@ -195,10 +170,10 @@ class Teller:
 
     def _limited(self, t: float, standing: rec.Standing) -> None:
         """A limit that becomes another: by an operator's @SP, or by the mission that is loaded."""
-        bounds = {name: float(getattr(standing, name)) for name in _UNITS}
+        bounds = {name: float(getattr(standing, name)) for name in UNITS}
         before, self._bounds = self._bounds or bounds, bounds
         if changed := [name for name in bounds if bounds[name] != before[name]]:
-            says = (f"{n} {bounds[n]:g} {_UNITS[n]}, was {before[n]:g}" for n in changed)
+            says = (f"{n} {bounds[n]:g} {UNITS[n]}, was {before[n]:g}" for n in changed)
             self._told.says.append(f"{clock(t)}: limits in force: {'; '.join(says)}.")
 
     def _step(self, step: Step, derivation: Derivation) -> None:
@@ -216,12 +191,27 @@ class Teller:
         because = words or reason_of(step)
         if words and step.by is By.ELSE and step.event.startswith(REFUSED):
             because = f"the vehicle {step.event}"
+        elif step.by is By.ELSE and any(value is None for _, value in seen):
+            because = because.replace("refused or blind", "blind")
+        elif step.trigger == "surfaced":
+            because += self._proof(step)
         if told.legs and told.legs[-1].left is None:
             told.legs[-1].left, told.legs[-1].because = step.t, because
         self._tell_state(step, path, derivation, because)
         if path.startswith(f"{AUTONOMOUS}/"):
-            told.legs.append(_Leg(path, step.t))
+            told.legs.append(Leg(path, step.t))
         self._state = path
+
+    def _proof(self, step: Step) -> str:
+        """What proved the surface: a fix, or a shallow depth that lasted."""
+        blind = self._doubts is not None and not self._doubts.believes("depth", step.t)
+        if step.event != "fix":
+            return ", proved by a depth that stayed shallow"
+        return (
+            ", proved by fixes alone, for no depth can be believed"
+            if blind
+            else ", proved by a fix"
+        )
 
     def _tell_again(self, step: Step) -> None:
         """A limit that leads to no other state, but to words; an ascent that goes on."""
@@ -253,7 +243,10 @@ class Teller:
 
     def _came(self, record: Record) -> None:
         rx = rec.read_rx(record)
-        if rx.link in _OPERATORS:
+        if rx.link == VEHICLE:
+            self._told.commands.heard(rx.data)
+            self._acknowledged = rx.data if b"@ACK_" in rx.data else self._acknowledged
+        elif rx.link in _OPERATORS:
             self._told.words.said(rx.t, f"{rx.link} {rx.address}".rstrip(), rx.data)
 
     def _sent(self, record: Record) -> None:
@@ -266,7 +259,18 @@ class Teller:
         self._told.words.add(tx.t, who, tx.data)
         for word, refused in answers_in(tx.data):
             if refused:
-                self._told.refusals.add(tx.t, f"@ACK_{word}N$", tx.reason, who)
+                why = self._refused_by(tx, word, who)
+                self._told.refusals.add(tx.t, f"@ACK_{word}N$", why, who)
+
+    def _refused_by(self, tx: Tx, word: str, who: str) -> str:
+        """Why an operator got an N. For words that go on to the vehicle it tells what happened,
+        too: an N of the vehicle, or none of its answers came."""
+        if tx.reason != _ON_ITS_BEHALF:
+            return tx.reason
+        refused = f"@ACK_{word}N$".encode() in self._acknowledged
+        why = "the vehicle answered N" if refused else "the vehicle gave no answer"
+        self._told.says.append(f"{clock(tx.t)}: {who} got N for @{word}: {why}.")
+        return why
 
     def _journal(self, t: float, said: Mapping[str, Any]) -> None:
         if said["level"] <= INFO:
@@ -275,19 +279,28 @@ class Teller:
         elif not said["message"].startswith("refused"):  # these have their own table
             self._told.alarms.add(t, said["name"], said["message"])
 
-    def _look(self, t: float, state: Mapping[str, Any], derivation: Derivation, deep: bool) -> None:
-        """``deep``: its depth can be believed; else the estimate only goes on as it last went."""
-        told, standing = self._told, derivation.standing
+    def _look(self, t: float, state: Mapping[str, Any], derivation: Derivation) -> None:
+        standing = derivation.standing
         if not self._under_way or standing is None:
             return
         low = self._doubts is not None and self._doubts.believes("altitude", t)
         self._extremes.state(t, state, low, self._lastly.away(state))
         for name in MARGINS:
-            limit, left = name.removeprefix("to_").rpartition("_")[0], state[name]
-            least = told.least.get(limit)
-            known = left is not None and (deep or limit != "depth") and limit in self._acting
-            if known and (least is None or left < least.left):
-                told.least[limit] = _Least(left, t, getattr(standing, limit))
+            limit = name.removeprefix("to_").rpartition("_")[0]
+            if limit != "depth":
+                self._near(t, limit, state[name], standing)
+
+    def _near_depth(self, t: float, depth: float | None, derivation: Derivation) -> None:
+        """By the report, as the limit goes by it; the estimate's depth is smoothed."""
+        standing = derivation.standing
+        if depth is not None and standing is not None:
+            self._near(t, "depth", standing.depth - depth, standing)
+
+    def _near(self, t: float, limit: str, left: float | None, standing: rec.Standing) -> None:
+        least = self._told.least.get(limit)
+        if left is None or limit not in self._acting or (least and left >= least.left):
+            return
+        self._told.least[limit] = Least(left, t, getattr(standing, limit))
 
     # --- what is told ----------------------------------------------------------------------------
 
@@ -302,7 +315,9 @@ class Teller:
         if self._under_way:
             told.says += self._never_flown()
             told.says += self._extremes.says()
-        told.says += (*self._doubted(), *told.commands.in_vain(), *self._unsaid.at_last(self._end))
+        told.says += told.refusals.of(VEHICLE)
+        told.says += doubted_depth(self.spells(), self._fixes)
+        told.says += (*told.commands.in_vain(), *self._unsaid.at_last(self._end))
         told.says += self._absence.at_last(self._end)
         known = self._extremes.last is not None
         told.says += self._lastly.says(self._end, self._origin, known)
@@ -331,16 +346,6 @@ class Teller:
         """When which sensor could not be believed."""
         return self._doubts.spells(self._end) if self._doubts else ()
 
-    def _doubted(self) -> Iterator[str]:
-        spells = [spell for spell in self.spells() if spell.sensor == "depth"]
-        if (lasted := lasting(spells)) >= SILENT_S:
-            reasons = ", ".join(dict.fromkeys(spell.reason for spell in spells))
-            when = f"between {clock(spells[0].first)} and {clock(spells[-1].end)}"
-            yield (
-                f"Its depth was not to be believed ({reasons}) for {duration(round(lasted))} "
-                f"{when}: how deep it truly was then is not known."
-            )
-
     def _never_flown(self) -> Iterator[str]:
         if self._flown is None:
             return
@@ -352,27 +357,9 @@ class Teller:
 
     def _tables(self) -> Iterator[Chapter]:
         told = self._told
-        legs = [
-            (
-                leg.path.partition("/")[2],
-                clock(leg.entered),
-                duration(round((self._end if leg.left is None else leg.left) - leg.entered, 1)),
-                leg.because,
-            )
-            for leg in told.legs
-        ]
-        limits = [
-            (
-                name,
-                f"{one.bound:g} {_UNITS[name]}",
-                f"{one.left:z.1f} {_UNITS[name]}",
-                clock(one.t),
-            )
-            for name, one in told.least.items()
-        ]
         yield from tabled(
-            legs,
-            limits,
+            [leg.row(self._end) for leg in told.legs],
+            [least.row(name) for name, least in told.least.items()],
             summed(self.spells()),
             told.alarms.told(),
             told.words.rows(),

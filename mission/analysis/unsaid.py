@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from mission.analysis.resting import SILENT_S, Sunk, Unfixed
+from mission.analysis.turned import Turned
 from mission.model import Position, Record
 from mission.model.shown import clock, duration
 from mission.navigation.geodesy import LocalFrame
@@ -90,6 +91,7 @@ class Unsaid:
 
     def __init__(self, receiver: bool = True) -> None:
         self._unfixed, self._sunk = Unfixed() if receiver else None, Sunk()
+        self._turned = Turned()
         self._reported: float | None = None
         self._fixed: float | None = None
         self._depth: float | None = None
@@ -113,6 +115,8 @@ class Unsaid:
         elif message.topic == TELEMETRY:
             depth = message.value["depth_m"]
             yield from self._report(message.t, depth, by_hand)
+            tilt = (message.value.get(f"{name}_deg") for name in ("pitch", "roll"))
+            yield from self._turned.report(message.t, *tilt)
             self._sunk.report(depth)
             if self._unfixed is not None:
                 yield from self._unfixed.report(message.t, depth, believed)
@@ -137,6 +141,7 @@ class Unsaid:
                 alone = duration(round(end - self._fixed))
                 yield f"The last fix came {clock(self._fixed)}, {alone} before the recording ends."
         yield from self._sunk.at_last()
+        yield from self._turned.at_last(end)
         if self._reported is None:
             if not self.lost:
                 yield "The vehicle never reported."

@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner, Result
 
+from links.base import Rx
 from links.simulated.settings import parse_settings
 from mission.analysis.chapters import Chapter, Table
 from mission.analysis.doubts import Spell, summed
@@ -19,8 +20,9 @@ from mission.analysis.journal import Wanted, follow, lines, recordings, restart
 from mission.analysis.lastly import Lastly
 from mission.analysis.repeats import Again, Commands, Refusals, Rows, Words
 from mission.analysis.resting import Sunk, Unfixed
-from mission.analysis.story import Teller, story
+from mission.analysis.story import Teller, between, story
 from mission.analysis.tell import as_html, as_markdown, as_text
+from mission.analysis.turned import Turned
 from mission.analysis.unsaid import Absence, Power, Unsaid
 from mission.authoring.prepare import prepare
 from mission.commands.log import log
@@ -29,7 +31,7 @@ from mission.model import Position, Record, Step, Tx
 from mission.model.shown import clock
 from mission.navigation.geodesy import LocalFrame
 from mission.onboard.blackbox import BlackBox, Gap, close_part
-from mission.onboard.runtime.records import ListRecorder, input_record, tx_record
+from mission.onboard.runtime.records import ListRecorder, input_record, rx_record, tx_record
 from mission.onboard.stream.derived import Message
 from mission.onboard.stream.events import events_of
 from mission.onboard.stream.topics import AID, FIX, STATE, TELEMETRY
@@ -117,7 +119,7 @@ def test_an_ascent_that_stays_pushed_up_at_the_surface_is_told_as_held_up() -> N
     items = with_step("surfaced", event="timer", actions=[])
     text = as_text("dive", story([items]))
     held = "now emergency/surfaced: the surface is reached; it sank when it was let go, so it is held up by upward thrust"
-    assert f"emergency, {held}." in text
+    assert f"emergency, {held}, proved by a depth that stayed shallow." in text
     assert "surfaced, timer" not in text
     assert any(held in str(line) for line in lines(items, Wanted()))
 
@@ -235,7 +237,7 @@ def test_a_word_that_the_vehicle_does_not_answer_is_told_with_how_often(
     assert len(thrice) > 1
     often = f"{len(thrice)} times from {thrice[0][0]} to {thrice[-1][0]}"
     text = as_text("dive", story([frozen]))
-    assert f"@ZAU12$ took all of its 3 tries {often}: no answer to the others." in text
+    assert f"@ZAU12$ took all of its 3 tries {often}: no answer to any of them." in text
 
 
 def test_an_ascent_that_goes_on_is_told_once_with_all_that_it_tried(frozen: list[Record]) -> None:
@@ -878,3 +880,116 @@ def of_state(t: float, home: Position, north: float, east: float) -> Message:
     latitude, longitude = place(home, north, east)
     return Message(STATE, t, {"latitude_deg": latitude, "longitude_deg": longitude,
                               "north_m": north, "east_m": east, "radius_95_m": 2.0})  # fmt: skip
+
+
+def test_a_vehicle_that_turned_over_is_told_with_when_and_for_how_long() -> None:
+    turned = Turned()
+    said = [line for t, roll in enumerate((0.0, 170.0, 0.0, 170.0, -178.0, 179.0))
+            for line in turned.report(float(t), 2.0, roll)]  # fmt: skip
+    assert said == ["0:03.0: it turned over, by its own reports: roll -178 deg, pitch 2 deg."]
+    assert list(turned.at_last(9.0)) == [
+        "By its last report it still lies turned over (roll 179 deg), for 6 s by then."
+    ]
+    assert list(turned.report(10.0, 2.0, 3.0)) == [
+        "0:10.0: its reports say that it is upright again, after 7 s."
+    ]
+    assert not list(turned.at_last(11.0))
+    unsaid, tilted = (
+        Unsaid(),
+        {"depth_m": 1.0, "latitude_deg": None, "pitch_deg": 1.0, "roll_deg": 175.0},
+    )
+    told = [
+        line for t in (1.0, 3.0) for line in unsaid.receive(Message(TELEMETRY, t, tilted), None)
+    ]
+    assert told == ["0:01.0: it turned over, by its own reports: roll 175 deg, pitch 1 deg."]
+
+
+def operated(*said: tuple[str, str, str]) -> Chapter:
+    """What happened, of a start and records (link, to or from, bytes): rx of the vehicle, tx to others."""
+    (items,) = recordings([SHORT])
+    found = [items[0]]
+    for t, (link, why, data) in enumerate(said, 1):
+        address = "boat" if link == "topside" else ""
+        if why:
+            found.append(tx_record(Tx(float(t), link, data.encode(), why, address)))
+        else:
+            found.append(rx_record(Rx(float(t), link, data.encode(), address), float(t)))
+    return story([found])[0]
+
+
+def test_a_word_that_the_vehicle_refused_is_told_apart_from_one_it_never_answered() -> None:
+    """The operator gets N for both."""
+    answer = ("topside", "answer of the STM32", "@ACK_ZWN$")
+    silent, refused = operated(answer), operated(("vehicle", "", "@ACK_ZWN$"), answer)
+    assert "0:01.0: topside boat got N for @ZW: the vehicle gave no answer." in silent.says
+    assert "0:02.0: topside boat got N for @ZW: the vehicle answered N." in refused.says
+
+
+def test_what_the_vehicle_refused_is_in_what_happened() -> None:
+    says = story([flown("fault=refuses@30+200")])[0].says
+    assert any(line.startswith("The vehicle refused @ZAS5$ ") for line in says)
+
+
+@pytest.mark.parametrize(
+    ("answers", "told"),
+    [
+        ((False,), "no answer to any of them"),
+        ((True,), "only the last was answered"),
+        ((True, False), "1 times not even the last was answered"),
+    ],
+)
+def test_whether_the_last_try_was_answered_is_told(answers: tuple[bool, ...], told: str) -> None:
+    commands = Commands()
+    for t, answered in enumerate(answers):
+        commands.add(float(t), b"@ZAWF$", "W (try 3 of 3)")
+        if answered:
+            commands.heard(b"@ACK_ZAY$")
+        commands.add(t + 0.5, b"@ZAX0$", "the surface is reached")
+    (said,) = commands.in_vain()
+    assert said.endswith(f": {told}.")
+
+
+def test_a_gap_in_steady_fixes_at_the_surface_is_told() -> None:
+    up = [(float(t), 0.2) for t in range(10, 61, 2)]
+    steady = tuple(float(t) for t in (*range(11, 21), *range(41, 60)))
+    assert waits(*up, fixes=steady, end=60.0) == [
+        "0:20.0 to 0:41.0: no fix for 21 s, though it was at the surface."
+    ]
+    dived = [*up[:8], (26.0, 1.5), *up[9:]]
+    assert waits(*dived, fixes=steady, end=60.0) == [], "it was under water between"
+
+
+def test_an_absurd_depth_makes_no_range_and_what_proved_the_surface_is_told() -> None:
+    chapters = story([flown("fault=depth_absurd@20+2000")])
+    says = " ".join(chapters[0].says)
+    assert "All the while" not in says
+    assert re.search(r"now emergency/surfaced|now idle/ready", says)
+    plain = story([flown("fault=heavy=30@60")])[0].says
+    assert any("the surface is reached, proved by " in line for line in plain), plain
+
+
+def test_an_ascent_of_a_leg_that_goes_on_in_an_emergency_is_told_as_that() -> None:
+    again, says = Again(), list[str]()
+    again.add(9.0, "surge 0 heave -1", "entry of up: after 10 s the depth is 33.0 m, no less", says)
+    assert says[0].startswith("0:09.0: the ascent that up began: after 10 s the depth is 33.0 m")
+
+
+def test_the_least_that_was_left_of_the_depth_agrees_with_the_deepest_report() -> None:
+    chapters = story(recordings([HEAVY]))
+    deepest = next(
+        float(found[1]) for line in chapters[0].says
+        if (found := re.search(r"it was ([\d.]+) m deep at most", line))
+    )  # fmt: skip
+    (row,) = [row for row in chapter(chapters, "Limits").rows if row[0] == "depth"]
+    bound, left = (float(cell.split()[0]) for cell in row[1:3])
+    assert left == pytest.approx(bound - deepest, abs=0.051)
+
+
+def test_why_the_program_ended_is_told_where_the_record_has_it() -> None:
+    first, second = begun(0.0, HEAVY), begun(200.0, AGAIN)
+    ended = [*(one for one in first if getattr(one, "kind", "") != "ending")]
+    says = between(ended, second).says
+    assert says[1:] == ("Why it ended is not on record.",)
+    last = max(one.t for one in ended if isinstance(one, Record))
+    told = [*ended, input_record(last, "ending")]
+    assert between(told, second).says[1:] == ("It had been told to end.",)
