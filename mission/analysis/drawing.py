@@ -54,7 +54,7 @@ def draw_quality(axes: Sequence[Axes], track: Track, spells: Sequence[Spell]) ->
     """Innovations and residuals of the fixes, and when which sensor could not be believed."""
     nis, residual, sensors = axes
     _innovations(nis, track)
-    _residuals(residual, track)
+    _residuals(residual, track, spells)
     _spells(sensors, spells)
     for one in (nis, residual, sensors):
         begin, end = float(track.t[0]), float(track.t[-1])
@@ -124,16 +124,20 @@ def _plain_numbers(axes: Axes) -> None:
     axes.yaxis.set_minor_formatter(StrMethodFormatter(""))
 
 
-def _residuals(axes: Axes, track: Track) -> None:
+def _residuals(axes: Axes, track: Track, spells: Sequence[Spell]) -> None:
+    """Of the depth only where it could be believed: 6553.5 m would flatten all others."""
     t = [f.t for f in track.fixes]
     axes.plot(t, [f.residual[0] for f in track.fixes], ".", ms=5, color=_FILTERED, label="north")
     axes.plot(t, [f.residual[1] for f in track.fixes], "x", ms=4, color=_SMOOTHED, label="east")
     depth = track.depth_residual
+    for spell in spells:
+        if spell.sensor == "depth":
+            depth = depth[(depth[:, 0] < spell.begin - 0.5) | (depth[:, 0] > spell.end)]
     axes.plot(depth[:, 0], depth[:, 1], lw=0.6, color=_RAW, label="depth")
     axes.set_yscale("symlog", linthresh=1.0)
     _plain_numbers(axes)
     axes.set_ylabel("residuals, m\n(beyond 1: log)")
-    axes.legend(fontsize=7, ncols=3)
+    axes.legend(fontsize=7, ncols=3, loc="lower right", bbox_to_anchor=(1.0, 1.0), frameon=False)
     axes.grid(alpha=0.3)
 
 

@@ -14,6 +14,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from mission.analysis.extremes import TRACKED_BY
+from mission.engine.vehicle_state import THRUSTERS
 from mission.model import STOPPED, SURFACED, SURFACING, Position, Step
 from mission.model.regions import EMERGENCY, IDLE
 from mission.model.shown import clock
@@ -25,7 +26,6 @@ from mission.onboard.stream.topics import FIX, STATE, TELEMETRY
 DRIFT_S = 60.0
 _LEAST_S, _LEAST_FIXES = 8.0, 5  # from less nothing is told of a drift
 _TURNS = 0.02  # share of full thrust, as the engine has it
-_THRUSTERS = 5  # of the actuators, the first
 _WINDS = ("north", "northeast", "east", "southeast", "south", "southwest", "west", "northwest")
 
 Drift = tuple[float, float, float]  # m/s to the north and to the east, one sigma of each
@@ -59,7 +59,7 @@ class Lastly:
             fixes = [fix for fix in self._fixes if fix[0] >= message.t - DRIFT_S]
             self._fixes = [*fixes, (message.t, said["latitude_deg"], said["longitude_deg"])]
         elif message.topic == TELEMETRY:
-            self._thrusters = dict(list(said["actuators"].items())[:_THRUSTERS])
+            self._thrusters = dict(list(said["actuators"].items())[:THRUSTERS])
 
     def home(self, origin: Position | None) -> Position | None:
         """From where distances are counted; ``origin``: of this recording's estimate."""

@@ -9,12 +9,13 @@ from types import MappingProxyType
 
 from mission.analysis.chapters import Chapter, Table
 
+_FRAME = re.compile(r"@[A-Z][^\s@$;&]*\$")
 _STYLE = (
     "body{font:15px/1.5 system-ui,sans-serif;max-width:60rem;margin:2rem auto;padding:0 1rem}"
     "table{border-collapse:collapse;margin:.5rem 0}td,th{text-align:left;vertical-align:top;"
     "padding:.15rem .8rem .15rem 0;border-bottom:1px solid #ddd}h2{margin-top:2rem}"
     "figure{margin:1rem 0;overflow-x:auto}pre,table{display:block;overflow-x:auto}"
-    "figure svg{max-width:100%;min-width:38rem;height:auto}"
+    "code{white-space:nowrap;font-size:90%}figure svg{max-width:100%;min-width:38rem;height:auto}"
 )
 
 
@@ -71,12 +72,17 @@ def html_body(chapters: Sequence[Chapter]) -> str:
     parts = []
     for chapter in chapters:
         parts.append(f"<h2>{_escaped(chapter.title)}</h2>")
-        parts += [f"<p>{_escaped(says)}</p>" for says in chapter.says]
+        parts += [f"<p>{_coded(says)}</p>" for says in chapter.says]
         for table in chapter.tables:
             head = "".join(f"<th>{_escaped(cell)}</th>" for cell in table.head)
-            rows = ("".join(f"<td>{_escaped(c)}</td>" for c in row) for row in table.rows)
+            rows = ("".join(f"<td>{_coded(c)}</td>" for c in row) for row in table.rows)
             parts.append(f"<table><tr>{head}</tr>{''.join(f'<tr>{r}</tr>' for r in rows)}</table>")
     return "\n".join(parts)
+
+
+def _coded(text: str) -> str:
+    """Frames as code, which no line breaks."""
+    return _FRAME.sub(r"<code>\g<0></code>", _escaped(text))
 
 
 def _escaped(text: str) -> str:

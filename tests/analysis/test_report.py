@@ -14,14 +14,25 @@ import pytest
 from click.testing import CliRunner, Result
 from later import Later
 
+from mission.analysis.chapters import Chapter, Table
 from mission.analysis.doubts import Spell
 from mission.analysis.journal import recordings
-from mission.analysis.report.dive import Dive
-from mission.analysis.report.figures import Picture, map_of, pictures_of, unbroken
-from mission.analysis.report.map import _scale, draw_map, flown_of, near
+from mission.analysis.report.dive import Dive, Stay
+from mission.analysis.report.figures import (
+    Picture,
+    map_of,
+    parted,
+    pictures_of,
+    reports_of_depth,
+    thrusters_of,
+    unbroken,
+)
+from mission.analysis.report.map import _scale, draw_map, flown_of, marks_of, near
 from mission.analysis.report.numbers import along, around, as_runs
-from mission.analysis.report.words import figures, track_words
+from mission.analysis.report.page import _heading
+from mission.analysis.report.words import day, figures, track_words
 from mission.analysis.story import story
+from mission.analysis.tell import as_html
 from mission.authoring.prepare import prepare
 from mission.commands.report import report
 from mission.commands.simulate import simulate
@@ -84,7 +95,9 @@ def test_the_page_names_no_other_host(made: tuple[Page, Path]) -> None:
 def test_the_page_has_every_picture_and_the_whole_story(made: tuple[Page, Path]) -> None:
     page, _ = made
     captions = re.findall(r"<figcaption>(\w+)", page.text)
-    assert captions == ["Map", "Depth", "What", "Attitude", "Batteries", "Sensors", "Fixes"]
+    assert captions == [
+        *("Map", "Depth", "What", "Attitude", "Batteries", "Sensors", "Thrusters", "Fixes")
+    ]
     assert page.tags.count("svg") == len(captions)
     tables = [table for one in story(recordings([SHORT])) for table in one.tables]
     assert page.tags.count("tr") == sum(len(table.rows) + 1 for table in tables)
@@ -126,9 +139,10 @@ def test_the_smoothed_track_alone_is_a_picture_as_its_suffix_says(
 
 
 def test_what_a_vehicle_does_not_report_has_no_empty_picture(tmp_path: Path) -> None:
-    """Of the robot a battery alone; of the ROV neither battery, altitude nor place."""
+    """Of the robot a battery alone; of the ROV neither battery, altitude nor place, but what its thrusters do."""
     rows = {"robot-drive": {"margins": 2, "batteries": 1},
-            "rov-dive": {"map": 1, "depth": 1, "margins": 2, "attitude": 3, "sensors": 1}}  # fmt: skip
+            "rov-dive": {"map": 1, "depth": 1, "margins": 2, "attitude": 3, "sensors": 1,
+                         "thrusters": 1}}  # fmt: skip
     for name, expected in rows.items():
         prepared, box = prepare(Path(name)), BlackBox(tmp_path / f"{name}.mcap")
         fly(prepared.mission, prepared.vehicle, seed=3, recorder=box)
@@ -396,3 +410,92 @@ def test_a_heading_about_north_is_drawn_as_one_line() -> None:
     south = np.array([179.0, 181.0])
     assert np.array_equal(unbroken(south), south)
     assert np.isnan(unbroken(np.array([np.nan]))).all()
+
+
+def test_a_leg_is_coloured_to_its_end_and_not_to_the_next_report() -> None:
+    (items,) = recordings([SHORT])
+    dive = Dive.of(items, None)
+    rows = next(one for one in story([items]) if one.title == "Legs").tables[0].rows
+    assert [clock(stay.begin) for stay in dive.stays()] == [
+        row[1] for row in rows[: len(dive.stays())]
+    ]
+    last = dive.stays()[-1]
+    assert round(last.end - last.begin, 1) == float(rows[len(dive.stays()) - 1][2].split()[0])
+    assert last.end < dive.states[-1]["t"] - 5.0, "the emergency is no leg"
+
+
+def test_the_margins_are_scaled_by_the_limits_in_force_and_not_by_those_of_before() -> None:
+    (items,) = recordings([SHORT])
+    dive = Dive.of(items, None)
+    dive.states[0] = {**dive.states[0], "to_depth_m": 100.0}  # before the mission's limits came
+    picture = next(one for one in pictures_of(dive) if one.name == "margins")
+    axes = drawing.Figure().subplots(picture.rows, 1)
+    picture.draw(axes)
+    assert axes[0].get_ylim()[1] < 1.2 * dive.standing[-1].depth
+
+
+def test_twelve_legs_have_twelve_colours() -> None:
+    marks = marks_of([Stay(f"leg{n}", n, n + 1.0) for n in range(12)])
+    assert len({mark.colour for mark in marks.values()}) == 12
+
+
+def test_neither_legend_nor_arrow_lies_on_what_is_drawn(drawn: tuple[Any, Dive]) -> None:
+    figure, dive = drawn
+    (axes,) = figure.axes
+    (north,) = [text for text in axes.texts if text.get_text() == "N"]
+    assert north.xy[0] > 1.0, "beside the map"
+    picture = next(one for one in pictures_of(dive) if one.name == "fixes")
+    three = drawing.Figure().subplots(picture.rows, 1)
+    picture.draw(three)
+    box = three[1].get_legend().get_bbox_to_anchor().transformed(three[1].transAxes.inverted())
+    assert box.y0 == pytest.approx(1.0), "above the axes"
+
+
+def test_a_line_of_depths_is_parted_where_no_report_came() -> None:
+    t, depth = parted(np.array([0.0, 2.0, 10.0]), np.array([1.0, 2.0, 3.0]))
+    assert np.array_equal(depth, [1.0, 2.0, np.nan, 3.0], equal_nan=True)
+    assert list(t) == [0.0, 2.0, 10.0, 10.0]
+
+
+def test_depths_that_were_not_to_be_believed_are_no_dots_and_no_residuals() -> None:
+    dive = Dive(load_vehicle("auv"), 0.0, spells=[Spell("depth", 4.1, 8.1, "absurd")])
+    dive.telemetry = [{"t": float(t), "depth_m": 1.0} for t in range(0, 12, 2)]
+    assert [one["t"] for one in reports_of_depth(dive)] == [0.0, 2.0, 8.0, 10.0]
+    dive.spells = [Spell("depth", 4.1, 10.1, "absurd")]  # as the recording ends
+    assert [one["t"] for one in reports_of_depth(dive)] == [0.0, 2.0]
+
+
+def test_what_each_thruster_reported_is_a_picture() -> None:
+    (items,) = recordings([SHORT])
+    dive = Dive.of(items, None)
+    picture = next(one for one in pictures_of(dive) if one.name == "thrusters")
+    axes = drawing.Figure().subplots()
+    picture.draw([axes])
+    assert [text.get_text() for text in axes.get_legend().get_texts()] == thrusters_of(dive)
+    assert max(float(np.nanmax(line.get_ydata())) for line in axes.lines) > 30.0
+
+
+def test_a_dive_in_several_recordings_is_one_dive() -> None:
+    one, other, third = (
+        Dive(load_vehicle("auv"), float(n), missions={"hop": None}) for n in range(3)
+    )
+    assert day([one, other]).startswith("2 dives, ")
+    assert _heading([one, other], 2).startswith("Dive 2 of 2: hop")
+    other.goes_on, other.missions = True, {}
+    assert day([one, other]).endswith(", in 2 recordings")
+    assert _heading([one, other, third], 2).startswith(
+        "The same dive, after the program began again"
+    )
+    assert _heading([one, other, third], 3).startswith("Dive 2 of 2: hop")
+
+
+def test_no_line_of_a_page_breaks_a_frame() -> None:
+    said = Chapter("T", ("@ZAH-90,8$ took all <b>",), (Table(("frame",), (("@ZAX0$",),)),))
+    page = as_html("t", [said])
+    assert "<code>@ZAH-90,8$</code> took all &lt;b&gt;" in page
+    assert "<td><code>@ZAX0$</code></td>" in page
+    assert "code{white-space:nowrap" in page
+
+
+def test_a_roll_about_the_back_is_drawn_as_one_line() -> None:
+    assert list(unbroken(np.array([178.0, -179.0]))) == [178.0, 181.0]

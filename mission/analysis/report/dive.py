@@ -16,7 +16,7 @@ from mission.analysis.extremes import TRACKED_BY
 from mission.analysis.journal import began, goes_on, recordings, start_of
 from mission.analysis.smoothing import Track, smooth
 from mission.analysis.story import Teller
-from mission.model import Position, Record
+from mission.model import AUTONOMOUS, Position, Record, Step
 from mission.model.vehicle import Vehicle
 from mission.navigation.filter import Array
 from mission.navigation.geodesy import LocalFrame
@@ -26,6 +26,7 @@ from mission.onboard.stream.derived import Derivation, Message
 from mission.onboard.stream.senses import Sensed, Senses
 from mission.onboard.stream.topics import FIX, PLAN, POSITION, STATE, TELEMETRY
 
+_BLINK_S = 0.05  # a leg that was over at once has no colour
 Point = tuple[float, float]  # east, north of the origin, m
 
 
@@ -58,9 +59,11 @@ class Dive:
     covariances: list[tuple[float, Array]] = field(default_factory=list)  # of north and east, m^2
     standing: list[rec.Standing] = field(default_factory=list)
     plan: list[dict[str, Any]] = field(default_factory=list)
+    moves: list[tuple[float, str]] = field(default_factory=list)  # when which leg began, "" none
     spells: Sequence[Spell] = ()  # of sensors that could not be believed
     story: Sequence[Chapter] = ()  # what happened first, then the tables
     smoothed: Track | None = None
+    goes_on: bool = False  # of the dive before: the program began again, and no mission was started
 
     @property
     def is_tracked(self) -> bool:
@@ -74,6 +77,15 @@ class Dive:
         return np.array([one["t"] for one in values]), np.array(told, dtype=float)
 
     def stays(self) -> list[Stay]:
+        """From step to step; without a step on record, from report to report."""
+        if not self.moves:
+            return self._reported_stays()
+        end = max(self.states[-1]["t"] if self.states else 0.0, self.moves[-1][0])
+        ends = [*(t for t, _ in self.moves[1:]), end]
+        stays = [Stay(leg, t, over) for (t, leg), over in zip(self.moves, ends, strict=True)]
+        return [stay for stay in stays if stay.leg and stay.end - stay.begin > _BLINK_S]
+
+    def _reported_stays(self) -> list[Stay]:
         found: list[Stay] = []
         for one in self.states:
             if found and found[-1].leg == one["leg"]:
@@ -107,6 +119,14 @@ class Dive:
         if chart is not None and message.topic == STATE and message.value["leg"]:
             self.missions[chart.mission.name] = None
 
+    def _step(self, step: Step) -> None:
+        if not step.entered:
+            return
+        region, _, leg = step.entered[-1].partition("/")
+        leg = leg if region == AUTONOMOUS else ""
+        if leg != (self.moves[-1][1] if self.moves else ""):
+            self.moves.append((step.t, leg))
+
     @classmethod
     def of(
         cls,
@@ -128,6 +148,8 @@ class Dive:
             sensed.extend(senses.hear(record))
             for message in messages:
                 dive._take(message, derivation)
+            if record.kind == rec.STEP:
+                dive._step(rec.step_of(record.payload))
             if record.kind == rec.STANDING:
                 dive.standing.append(rec.read_standing(record))
 
@@ -144,11 +166,12 @@ def dives_of(
 ) -> list[Dive]:
     """Each recording once, in the order of their starts. ``notes`` go beside those of the files.
     Raises BlackBoxError, and ValueError, KeyError or TypeError as Dive.of."""
-    read = [(path, *recordings([path])) for path in dict.fromkeys(map(first_part, files))]
+    read = [(path, recordings([path])[0]) for path in dict.fromkeys(map(first_part, files))]
     found: list[Dive] = []
     for path, items in sorted(read, key=lambda one: began(one[1])):
         goes = bool(found) and goes_on(found[-1].items, items)
         dive = Dive.of(items, vehicle, found[-1].home if goes else None)
         dive.name, dive.notes = path.name, {**notes_of(path), **(notes or {})}
+        dive.goes_on = goes and not dive.missions
         found.append(dive)
     return found

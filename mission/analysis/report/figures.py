@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import io
 import re
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -19,7 +19,9 @@ from mission.analysis.report.dive import Dive
 from mission.analysis.report.map import draw_map, flown_of, marks_of, near, plain, planned
 from mission.analysis.report.numbers import along
 from mission.analysis.report.words import simulated
+from mission.analysis.resting import SILENT_S
 from mission.engine.limits import LIMITS
+from mission.engine.vehicle_state import THRUSTERS
 from mission.navigation.filter import Array
 
 if TYPE_CHECKING:
@@ -31,6 +33,7 @@ _ATTITUDE: Rows = (("heading_deg", "heading"), ("pitch_deg", "pitch"), ("roll_de
 _BATTERIES: Rows = (("control_v", "control"), ("power_v", "power"))
 _SENSORS: Rows = (("altitude_m", "altitude, m"), ("temperature_c", "temperature, \u00b0C"))
 _MARGINS = (("to_depth_m", "m"), ("to_radius_m", "m"), ("to_time_s", "s"), ("to_voltage_v", "V"))
+_NOTICED_S = 0.5  # after a report came: then its sensor is looked at
 _APART = 0.025  # of the time: two numbers of legs
 
 
@@ -51,7 +54,7 @@ def pictures_of(dive: Dive) -> Iterator[Picture]:
     if dive.is_tracked:
         yield map_of(dive)
     if any(state["depth_m"] is not None for state in dive.states):
-        caption = "Depth as the vehicle took it to be, with the legs."
+        caption = "Depth: as reported, and smoothed on board, with the legs."
         if any(spell.sensor == "depth" for spell in dive.spells):
             caption += " Hatched: it was not to be believed."
         yield Picture("depth", caption, 1, (9, 3), lambda axes: _depth(axes[0], dive))
@@ -63,6 +66,9 @@ def pictures_of(dive: Dive) -> Iterator[Picture]:
         ("attitude", _ATTITUDE, "deg"), ("batteries", _BATTERIES, "V"), ("sensors", _SENSORS, "")
     ):  # fmt: skip
         yield from _values_of(dive, name, rows, unit)
+    if thrusters_of(dive):
+        caption = "Thrusters: the share of full thrust that each reported."
+        yield Picture("thrusters", caption, 1, (9, 2.4), lambda axes: _thrusters(axes[0], dive))
     track = dive.smoothed
     if track is not None:
         caption = "Fixes: innovations, residuals, and when which sensor could not be believed."
@@ -138,8 +144,10 @@ def _depth(axes: Axes, dive: Dive) -> None:
     for at, numbers in along(middles, _APART * lasts):
         axes.text(at, 1.02, numbers, fontsize=7, ha="center",
                   transform=axes.get_xaxis_transform())  # fmt: skip
-    t, depth = dive.series(dive.states, "depth_m")
-    axes.plot(t, depth, color="#222222", lw=1.0)
+    t, depth = parted(*dive.series(dive.states, "depth_m"))
+    axes.plot(t, depth, color="#222222", lw=1.0, label="smoothed on board")
+    axes.plot(*dive.series(reports_of_depth(dive), "depth_m"), ".", color="#cc3311", ms=2.5,
+              label="as reported")  # fmt: skip
     for spell in dive.spells:
         if spell.sensor == "depth":
             axes.axvspan(spell.first, spell.end, fill=False, hatch="///", ec="#cc3311", lw=0)
@@ -148,9 +156,26 @@ def _depth(axes: Axes, dive: Dive) -> None:
     axes.invert_yaxis()
     axes.set_ylabel("depth, m")
     timed([axes])
-    if marks:
+    if axes.get_legend_handles_labels()[1]:
         axes.legend(fontsize=7, loc="center left", bbox_to_anchor=(1.01, 0.5), frameon=False)
     axes.grid(alpha=0.3)
+
+
+def reports_of_depth(dive: Dive) -> list[Mapping[str, Any]]:
+    """Those that could be believed."""
+    last = dive.telemetry[-1]["t"] if dive.telemetry else 0.0
+    doubted = [
+        (one.begin - _NOTICED_S, one.end - _NOTICED_S if one.end < last else np.inf)
+        for one in dive.spells
+        if one.sensor == "depth"
+    ]
+    return [s for s in dive.telemetry if not any(a <= s["t"] < b for a, b in doubted)]
+
+
+def parted(t: Array, values: Array) -> tuple[Array, Array]:
+    """With a gap in the line where nothing came for long."""
+    silent = np.flatnonzero(np.diff(t) > SILENT_S) + 1
+    return np.insert(t, silent, t[silent]), np.insert(values, silent, np.nan)
 
 
 def _margins(axes: Sequence[Axes], dive: Dive, known: Rows) -> None:
@@ -158,26 +183,58 @@ def _margins(axes: Sequence[Axes], dive: Dive, known: Rows) -> None:
         one.plot(*dive.series(dive.states, name), color="#2b5c8a", lw=1.0)
         one.set_xlim(dive.states[0]["t"], max(dive.states[-1]["t"], dive.states[0]["t"] + 1.0))
         one.axhline(0.0, color="#cc3311", lw=0.8)
+        one.set_ylim(*_bounds(dive, name))
         _dress(one, f"to {name.removeprefix('to_').rpartition('_')[0]}, {unit}")
     timed(axes)
+
+
+def _bounds(dive: Dive, margin: str) -> tuple[float, float]:
+    """Of the axis: the limit that was in force last, so that one of before does not flatten it."""
+    _, left = dive.series(dive.states, margin)
+    known = left[np.isfinite(left)]
+    limit = margin.removeprefix("to_").rpartition("_")[0]
+    bound = getattr(dive.standing[-1], limit) if dive.standing else np.inf
+    top = max(known.max() if limit == "voltage" else min(bound, known.max()), 0.0)
+    low = min(known.min(), 0.0)
+    room = 0.05 * max(top - low, 1e-3)
+    return low - room, top + room
 
 
 def _values(axes: Sequence[Axes], dive: Dive, rows: Rows, unit: str) -> None:
     for one, (name, says) in zip(axes, rows, strict=True):
         t, values = dive.series(dive.telemetry, name)
-        if name == "heading_deg":
+        if name in ("heading_deg", "roll_deg"):
             values = unbroken(values)
         one.plot(t, values, ".", ms=2, color="#2b5c8a")
         _dress(one, f"{says}, {unit}".removesuffix(", "))
     timed(axes)
 
 
+def thrusters_of(dive: Dive) -> list[str]:
+    """The names of those that it reports; rudders and servos come behind them."""
+    said: Mapping[str, float] = next(
+        (one["actuators"] for one in dive.telemetry if one["actuators"]), {}
+    )
+    return list(said)[:THRUSTERS]
+
+
+def _thrusters(axes: Axes, dive: Dive) -> None:
+    """Each a little above the one before, or those that do the same would hide each other."""
+    for number, name in enumerate(thrusters_of(dive)):
+        told = [{"t": one["t"], name: one["actuators"].get(name)} for one in dive.telemetry]
+        t, share = parted(*dive.series(told, name))
+        axes.plot(t, 100.0 * share + number, lw=1.0, label=plain(name))
+    _dress(axes, "thrust, %")
+    axes.legend(fontsize=7, loc="center left", bbox_to_anchor=(1.01, 0.5), frameon=False)
+    timed([axes])
+
+
 def unbroken(heading: Array) -> Array:
-    """Degrees, about 0 instead of from 0 to 360 where they lie closer together so."""
-    about = (heading + 180.0) % 360.0 - 180.0
+    """Degrees, about 0 or from 0 to 360, as they lie closer together."""
+    about, whole = (heading + 180.0) % 360.0 - 180.0, heading % 360.0
     known = np.isfinite(heading)
-    closer = known.any() and np.ptp(about[known]) < np.ptp(heading[known])
-    return about if closer else heading
+    closer = known.any() and np.ptp(about[known]) <= np.ptp(whole[known])
+    return about if closer else whole
 
 
 def _dress(axes: Axes, label: str) -> None:

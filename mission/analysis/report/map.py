@@ -23,7 +23,10 @@ from mission.onboard.stream.plan import COVERED
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-_PALETTE = ("#88ccee", "#ddcc77", "#44aa99", "#cc6677", "#999933", "#aa4499", "#6699cc", "#117733")
+_PALETTE = (
+    *("#88ccee", "#ddcc77", "#44aa99", "#cc6677", "#999933", "#aa4499"),
+    *("#3355aa", "#ee8833", "#77cc55", "#885522", "#ff99bb", "#999999"),
+)
 _PLAN, _SMOOTHED, _FIX, _AREA = "#888888", "#222222", "#117733", "#aa4400"
 _DISC = {"boxstyle": "circle,pad=0.15", "fc": "w", "lw": 0.5}
 _ELLIPSES, _ELLIPSE = 10, "#555555"
@@ -79,9 +82,10 @@ def draw_map(axes: Axes, dive: Dive) -> None:
         axes.set_ylabel("north of home, m", fontsize=8)
         axes.grid(color="#bbbbbb", lw=0.5, zorder=0)
     _scale(axes, width, [*shown, (0.0, 0.0)])
-    axes.annotate("N", (0.96, 0.97), (0.96, 0.87), xycoords="axes fraction", ha="center",
-                  va="center", arrowprops={"arrowstyle": "->", "lw": 1.2})  # fmt: skip
-    axes.legend(fontsize=7, loc="center left", bbox_to_anchor=(1.01, 0.5), frameon=False)
+    axes.annotate("N", (1.04, 1.0), (1.04, 0.9), xycoords="axes fraction", ha="center",
+                  va="center", annotation_clip=False,
+                  arrowprops={"arrowstyle": "->", "lw": 1.2})  # fmt: skip
+    axes.legend(fontsize=7, loc="upper left", bbox_to_anchor=(1.01, 0.87), frameon=False)
 
 
 def flown_of(dive: Dive) -> list[Point]:
@@ -206,7 +210,7 @@ def _graticule(axes: Axes, frame: LocalFrame, width: float) -> None:
 
 
 def _scale(axes: Axes, width: float, shown: Sequence[Point]) -> None:
-    """In that corner where least is shown; above to the right is north."""
+    """In that corner where least is shown."""
     length, room = _step(width / 5.0), 0.04 * width
     (left, right), (bottom, top) = axes.get_xlim(), axes.get_ylim()
     far, high = right - room - length, top - 2.0 * room

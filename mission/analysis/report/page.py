@@ -19,9 +19,18 @@ def report_page(dives: Sequence[Dive]) -> str:
         if number > 1:
             parts.append(html_body([between(dives[number - 2].items, dive.items)]))
         if len(dives) > 1:
-            parts.append(f"<h2>Dive {number} of {len(dives)}: {_escaped(headline(dive))}</h2>")
+            parts.append(f"<h2>{_escaped(_heading(dives, number))}</h2>")
         parts += [f"<p>{_escaped(source(dive))}</p>", *_dive(dive)]
     return page(day(list(dives)), "\n".join(parts))
+
+
+def _heading(dives: Sequence[Dive], number: int) -> str:
+    """Dives are counted; what was recorded after the program only began again is of the same."""
+    dive, firsts = dives[number - 1], [one for one in dives if not one.goes_on]
+    if dive.goes_on:
+        return f"The same dive, after the program began again: {headline(dive)}"
+    at = sum(not one.goes_on for one in dives[:number])
+    return f"Dive {at} of {len(firsts)}: {headline(dive)}"
 
 
 def _dive(dive: Dive) -> list[str]:

@@ -11,14 +11,18 @@ from mission.navigation.distribution import PLANE_95
 
 def headline(dive: Dive) -> str:
     """Mission, vehicle and time of a dive."""
-    return f"{', '.join(dive.missions) or 'no mission'}, {dive.vehicle.name}, {_begun(dive)}"
+    none = "no mission is started" if dive.goes_on else "no mission"
+    return f"{', '.join(dive.missions) or none}, {dive.vehicle.name}, {_begun(dive)}"
 
 
 def day(dives: list[Dive]) -> str:
     """Of one dive its headline, of several from when to when they began."""
     if len(dives) == 1:
         return headline(dives[0])
-    return f"{len(dives)} dives, {_begun(dives[0])} to {_begun(dives[-1])}"
+    count = sum(not dive.goes_on for dive in dives)
+    if count == 1:
+        return f"{headline(dives[0])}, in {len(dives)} recordings"
+    return f"{count} dives, {_begun(dives[0])} to {_begun(dives[-1])}"
 
 
 def source(dive: Dive) -> str:
