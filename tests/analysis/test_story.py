@@ -960,12 +960,18 @@ def test_a_gap_in_steady_fixes_at_the_surface_is_told() -> None:
 
 
 def test_an_absurd_depth_makes_no_range_and_what_proved_the_surface_is_told() -> None:
-    chapters = story([flown("fault=depth_absurd@20+2000")])
-    says = " ".join(chapters[0].says)
-    assert "All the while" not in says
-    assert re.search(r"now emergency/surfaced|now idle/ready", says)
-    plain = story([flown("fault=heavy=30@60")])[0].says
-    assert any("the surface is reached, proved by " in line for line in plain), plain
+    says = story([flown("fault=depth_full_scale@40+2000", "fault=deaf_to_u@0+2000")])[0].says
+    (again,) = [line for line in says if "said again" in line]
+    assert "its reports said" not in again, "6553.5 m is no depth"
+    (up,) = [line for line in says if "now emergency/surfaced" in line]
+    assert up.endswith("is reached, proved by fixes alone, for no depth can be believed.")
+    assert any(re.search(r"not known, but \d+ fixes came between", line) for line in says)
+    for event, proof in (("fix", "a fix"), ("timer", "a depth that stayed shallow")):
+        (up,) = [
+            line for line in story([with_step("surfaced", event=event)])[0].says
+            if "now emergency/surfaced" in line
+        ]  # fmt: skip
+        assert up.endswith(f"the surface is reached, proved by {proof}.")
 
 
 def test_an_ascent_of_a_leg_that_goes_on_in_an_emergency_is_told_as_that() -> None:
