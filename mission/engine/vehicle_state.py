@@ -154,8 +154,8 @@ class VehicleState:
         self._forget()
         if report.position is not None:
             self._take_position(report, report.position)
-        self._notice_travel(report)
         depth = self.depth
+        self._notice_travel(report.t, self.moving_depth if depth is None else None)
         lives = depth is not None and self._has_changed(depth)
         if lives:
             self.believed_depth, self._believed_at = depth, report.t
@@ -237,21 +237,19 @@ class VehicleState:
 
     def _proves_surface(self, fix: Fix) -> bool:
         """R7: a place that is news, unless a depth that is believed says otherwise. Where none is
-        believed, or it has not changed yet, only some seconds of fixes as at the surface. What goes
-        up or down by metres is not there, also where its zero is wrong."""
+        believed, or it has not changed yet, some seconds of fixes as at the surface while no depth
+        goes by metres, its zero right or wrong."""
         depth = self.depth
         if depth is not None and (depth >= FIX_DEPTH or self._lives):
             return self.receiver.fresh and depth < FIX_DEPTH
-        if fix.t - self._travelled[1] < _TRAVELLED:
-            return False
-        return self.receiver.settled(fix.t) >= SETTLED and self._may_be_up(fix.t)
+        stands = fix.t - self._travelled[1] >= _TRAVELLED
+        return stands and self.receiver.settled(fix.t) >= SETTLED and self._may_be_up(fix.t)
 
-    def _notice_travel(self, report: Telemetry) -> None:
-        depth = self.moving_depth if self.depth is None else None
+    def _notice_travel(self, now: float, depth: float | None) -> None:
         if depth is None:
             self._travelled = math.inf, -math.inf
         elif abs(depth - self._travelled[0]) > _TRAVELS:
-            self._travelled = depth, report.t
+            self._travelled = depth, now
 
     def _may_be_up(self, now: float) -> bool:
         """An ascent has had the time that buoyancy takes from the deepest it can have begun at."""

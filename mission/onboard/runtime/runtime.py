@@ -119,8 +119,7 @@ class Runtime:
         self.situation = Situation(self._engine, vehicle, bool(links.gps or links.gps2))
         self._marker = ResumeMarker(self._store)
         self._standing = None if recorder is None else StandingChanges(recorder)
-        self._refused: list[Outcome] = []  # commands for which the vehicle has no word
-        self._out: list[Tx] = []
+        self._out, self._refused = list[Tx](), list[Outcome]()  # refused: it has no word for it
         self._begin()
         if navigation is not None:
             self.set_navigation(navigation, 0.0)
@@ -292,8 +291,7 @@ class Runtime:
             self._judge_kept(now)
         for _ in range(MOST_ROUNDS):
             sent, outcomes = self._frontseat.poll(now)
-            if sent:
-                self._out += sent
+            self._out += sent
             if self._refused:
                 outcomes, self._refused = outcomes + self._refused, []
             if not outcomes:
