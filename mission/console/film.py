@@ -8,6 +8,7 @@ A frame is some 100 bytes: 20 MB for a day. What does not live here: where it st
 from __future__ import annotations
 
 import json
+import math
 from bisect import bisect_right
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -69,6 +70,10 @@ class Film:
         self._times.append(t)
         self._frames.append(line)
         self._sizes.append((len(self._events), len(self._track), len(self._plan)))
+
+    def seen(self, t: float) -> float:
+        """The time from which on what happens at ``t`` is on a frame."""
+        return min(math.ceil(t / EVERY_S) * EVERY_S, self.end)
 
     # --- what stood then -----------------------------------------------------------------------
 

@@ -150,8 +150,11 @@ class Line:
                 link, self._next = self._next or await self._open(), None
                 if link is None:
                     await asyncio.sleep(AGAIN_S)
-                else:
-                    await self._use(link)
+                    continue
+                before = self.answered
+                await self._use(link)
+                if self._next is None and self.answered == before:  # opened, and closed unheard
+                    await asyncio.sleep(AGAIN_S)
         finally:
             for job in (self._job, *self._waiting):
                 _fail(job, "the console ends")

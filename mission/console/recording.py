@@ -59,8 +59,10 @@ class Recording:
         }
 
     def events(self) -> list[dict[str, Any]]:
+        """Each at the time to go to, where it is to be seen."""
         found = (event for record in self.records for event in events_of(record))
-        return [{"t": e.t, "level": e.level, "of": e.of, "says": e.says} for e in found]
+        seen = self._film.seen
+        return [{"t": seen(e.t), "level": e.level, "of": e.of, "says": e.says} for e in found]
 
     # --- from other threads --------------------------------------------------------------------
 

@@ -114,6 +114,9 @@ BELOW = """() => {
 }"""
 
 
+NOTE_ENDS = "() => document.querySelector('#review .note').getBoundingClientRect().right"
+
+
 def test_a_recording_is_played_and_scrubbed(chromium: object) -> None:
     prepared, recorder = prepare("float-test"), ListRecorder()
     fly(prepared.mission, prepared.vehicle, recorder=recorder)
@@ -134,6 +137,8 @@ def test_a_recording_is_played_and_scrubbed(chromium: object) -> None:
         seat.page.get_by_text("Compare", exact=True).click()
         seat.page.get_by_role("button", name="Known now").click()
         seat.shows("#review .note", "at most")
+        seat.page.set_viewport_size({"width": 390, "height": 844})
+        until(seat.page, lambda: seat.page.evaluate(NOTE_ENDS) <= 390)
         playwright.expect(seat.page.locator("#stop")).to_be_disabled()
 
 

@@ -11,7 +11,7 @@ from collections.abc import AsyncIterator, Callable
 import pytest
 from served import PATIENCE
 
-from mission.console.line import Line
+from mission.console.line import AGAIN_S, Line
 from mission.topside.upload import Ask, OperatorError, Script
 from protocol.messages import DataQuery
 
@@ -89,3 +89,23 @@ def test_a_line_opens_while_whatever_else_runs_in_threads_waits() -> None:
             await asyncio.gather(*waiting)
 
     asyncio.run(told())
+
+
+def test_a_vehicle_that_turns_the_line_away_is_not_asked_again_without_rest() -> None:
+    turned_away: list[float] = []
+
+    async def turn_away(_: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        turned_away.append(asyncio.get_running_loop().time())
+        writer.close()
+
+    async def told() -> None:
+        vehicle = await asyncio.start_server(turn_away, "127.0.0.1", 0)
+        line = Line(f"tcp://127.0.0.1:{vehicle.sockets[0].getsockname()[1]}")
+        keeping = asyncio.ensure_future(line.keep())
+        await until(lambda: len(turned_away) == 3)
+        keeping.cancel()
+        await asyncio.gather(keeping, return_exceptions=True)
+        vehicle.close()
+
+    asyncio.run(told())
+    assert turned_away[2] - turned_away[0] >= 1.9 * AGAIN_S

@@ -87,6 +87,20 @@ def test_its_events_are_there_to_jump_to_and_its_plan_is_shown(review: Console) 
         assert review.get("/api/vehicles/1/plan")["name"] == "float-test"
 
 
+def test_where_one_jumps_to_an_event_it_is_to_be_seen(records: list[Record]) -> None:
+    recording, film = Recording(records), Film(records)
+    while not film.over:
+        film.extend()
+    entered = [e for e in recording.events() if e["says"].startswith("now ")]
+    assert entered
+    for event in entered:
+        shown = film.at(event["t"], 0.0)
+        state = event["says"].partition(":")[0]
+        assert any(
+            state in line and float(line.split()[0]) > event["t"] - EVERY_S for line in shown.events
+        ), event
+
+
 def test_nobody_can_be_told_anything(review: Console) -> None:
     (about,) = review.get("/api/setup")["vehicles"]
     assert (about["source"], about["to"]) == ("recording", "")

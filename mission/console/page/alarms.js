@@ -8,7 +8,7 @@
 
 import { el, mark, say } from './dom.js';
 import { lasting } from './format.js';
-import { isHung, isLive, silence } from './state.js';
+import { isCut, isHung, isLive, silence } from './state.js';
 import { named, word } from './words.js';
 
 /** @typedef {import('./station.js').Page} Page
@@ -41,6 +41,7 @@ export function standing(station, now) {
   } else if (isSilent) {
     tell(word('silent', lasting(quiet)), 'danger', vehicle.state['problem'] ?? '');
   }
+  if (isCut(vehicle, now) && !isHung(vehicle, now) && !isSilent && quiet !== null) tell(word('cut'), 'danger');
   if (vehicle.setup.source === 'recording' && vehicle.state['problem']) {
     tell(word('review'), 'danger', vehicle.state['problem']);
   }

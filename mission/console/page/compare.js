@@ -90,7 +90,7 @@ export class Compare {
     this._offered = '';
     this._title = el('summary');
     this.root = el('details', { class: 'compare' }, this._title,
-      el('div', {}, this._smoothed, this._other, this._by, this._says));
+      el('div', {}, this._smoothed, this._other, this._by), this._says);
   }
 
   /** @param {Partial<Compared>} change */

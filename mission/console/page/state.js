@@ -27,6 +27,7 @@ export const EVENTS = 1000; // that are kept
 export const TRACK = 10_000;
 export const SAMPLES = 6000; // of one strip
 export const HUNG_MS = 2000; // a frame comes each second: without one the server hangs, or is gone
+const CUT_MS = 3000; // a connection that is lost is opened again within a second
 
 /** Values that a report of the vehicle's board has, with unit and digits behind the point.
  * @type {Readonly<Record<string, readonly [string, number]>>} */
@@ -66,6 +67,8 @@ export class Vehicle {
   doctor = [];
   /** @type {number | null} ms */
   heardAt = null;
+  /** @type {number | null} ms, since when X and W have no connection to it */
+  cutAt = null;
 
   /** @param {Setup} setup */
   constructor(setup) {
@@ -73,8 +76,8 @@ export class Vehicle {
   }
 
   forget() {
-    const { setup, plan, still, heardAt, snapshots } = this;
-    Object.assign(this, new Vehicle(setup), { plan, still, heardAt, snapshots: snapshots + 1 });
+    const { setup, plan, still, heardAt, cutAt, snapshots } = this;
+    Object.assign(this, new Vehicle(setup), { plan, still, heardAt, cutAt, snapshots: snapshots + 1 });
   }
 }
 
@@ -85,6 +88,7 @@ export function update(vehicle, frame, now) {
   Object.assign(vehicle.state, frame.state ?? {});
   vehicle.t = frame.t;
   vehicle.heardAt = now;
+  vehicle.cutAt = vehicle.state['lines']?.orders === null ? vehicle.cutAt ?? now : null;
   vehicle.events = [...vehicle.events, ...(frame.events ?? [])].slice(-EVENTS);
   vehicle.told += frame.events?.length ?? 0;
   vehicle.gap += frame.gap ?? 0;
@@ -171,6 +175,12 @@ export function sinceWord(vehicle, now) {
   const quiet = silence(vehicle, now);
   const since = Math.max(0, now - (vehicle.heardAt ?? now)) / 1000;
   return quiet === null ? null : Math.min(quiet, ...lines.map((age) => age + since));
+}
+
+/** Has the vehicle no connection for X and W, and not only while it is opened anew?
+ * @param {Vehicle} vehicle @param {number} now ms */
+export function isCut(vehicle, now) {
+  return isLive(vehicle) && !vehicle.setup.under_water && vehicle.cutAt !== null && now - vehicle.cutAt > CUT_MS;
 }
 
 /** Of a value that is measured with ``at``. @param {Vehicle} vehicle @param {any} value

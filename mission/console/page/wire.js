@@ -39,10 +39,14 @@ export class Line {
     return true;
   }
 
+  /** One that is being opened is closed once it is: before that, the browser calls it an error. */
   close() {
     this._over = true;
     clearTimeout(this._timer);
-    this._leave();
+    const socket = this._socket;
+    if (socket?.readyState !== WebSocket.CONNECTING) return this._leave();
+    this._socket = socket.onmessage = socket.onclose = null;
+    socket.onopen = () => socket.close();
   }
 
   _open() {

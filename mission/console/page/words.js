@@ -36,6 +36,7 @@ export const WORDS = {
   lost: ['The console does not answer for {0}', '控制台已 {0} 无应答'],
   silent: ['NOTHING NEW of the vehicle for {0}: all below is of that time',
     '航行器已 {0} 没有新数据：以下均为当时的数据'],
+  cut: ['NO CONNECTION FOR COMMANDS: X and W do not reach the vehicle', '指令链路未接通：X 和 W 无法送达航行器'],
   unheard: ['Nothing has been heard of the vehicle so far', '尚未收到航行器的任何数据'],
   refused_page: ['This page is not admitted: open the address that the console printed',
     '此页面未获准：请打开控制台给出的地址'],

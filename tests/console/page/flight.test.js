@@ -9,6 +9,7 @@ function world(t) {
   const sockets = [];
   globalThis.location = { href: 'http://127.0.0.1:1/' };
   globalThis.WebSocket = class {
+    static CONNECTING = 0;
     static OPEN = 1;
     readyState = 0;
     said = [];
@@ -58,6 +59,16 @@ test('a flight that is refused or not wanted any more is not asked for again', (
   sockets[0].onclose({ code: 1008, reason: 'that is no flight' });
   assert.deepEqual(refused, ['that is no flight']);
   line.close();
+  pass(10000);
+  assert.equal(sockets.length, 1);
+});
+
+test('a flight that is not wanted any more while its connection opens leaves no error behind', (t) => {
+  const { sockets, line, pass } = world(t);
+  line.close();
+  assert.equal(sockets[0].readyState, 0); // closed now, the browser would say that it failed
+  sockets[0].open();
+  assert.deepEqual([sockets[0].readyState, sockets[0].said], [3, []]);
   pass(10000);
   assert.equal(sockets.length, 1);
 });

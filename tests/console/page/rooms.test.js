@@ -233,3 +233,15 @@ test('a reason is told in lines that fit', () => {
   assert.deepEqual(broken('in still water it is not done', 12), ['in still', 'water it is', 'not done']);
   assert.deepEqual(broken('averylongwordindeed it', 5), ['averylongwordindeed', 'it']);
 });
+
+test('that X and W have no connection is told after 3 s, though frames come', () => {
+  const told = (lines, setup = {}) => {
+    const vehicle = new Vehicle({ id: '1', name: 'auv', to: 'x', source: 'monitor', speed: 1, silent_s: 5, ...setup });
+    for (const t of [0, 1, 2, 3, 4]) update(vehicle, { n: t + 1, t, state: { silence: 0, lines } }, 1000 * t);
+    const station = { vehicle, problem: '' };
+    return [2500, 4100].map((now) => standingOfAll({ stations: [station], chosen: station }, now).map((one) => one.level));
+  };
+  assert.deepEqual(told({ orders: null, commands: null }), [[], ['danger']]);
+  assert.deepEqual(told({ orders: 0.5, commands: 0.5 }), [[], []]);
+  assert.deepEqual(told({ orders: null, commands: 0.5 }, { under_water: true }), [[], []]);
+});
