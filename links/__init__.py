@@ -81,7 +81,7 @@ LINKS: dict[str, LinkRow] = {
     "serial": LinkRow("links.serial", "serial:///dev/ttyUSB0?baud=9600", ("baud",), "baud"),
     "tcp": LinkRow("links.tcp", "tcp://192.168.1.10:9000"),
     "tcp-listen": LinkRow("links.tcp", "tcp-listen://127.0.0.1:9000", _ADMISSION),
-    "tls": LinkRow("links.tls", "tls://192.168.1.10:9000?keys=keys/boat", ("keys",)),
+    "tls": LinkRow("links.tls", "tls://192.168.1.10:9000?keys=keys/boat", ("keys", "handshake")),
     "tls-listen": LinkRow(
         "links.tls", "tls-listen://0.0.0.0:9000?keys=keys/vehicle", ("keys", *_ADMISSION)
     ),

@@ -42,7 +42,13 @@ def _address(sockaddr: tuple[object, ...]) -> str:
 
 class TcpClient:
     def __init__(
-        self, name: str, host: str, port: int, *, tls: ssl.SSLContext | None = None
+        self,
+        name: str,
+        host: str,
+        port: int,
+        *,
+        tls: ssl.SSLContext | None = None,
+        handshake: float = CONNECT_TIMEOUT,
     ) -> None:
         self.name = name
         self._where = f"{host}:{port}"
@@ -54,6 +60,7 @@ class TcpClient:
         peer = _address(connected.getpeername())
         if tls is not None:
             try:
+                connected.settimeout(handshake)
                 connected = tls.wrap_socket(connected, server_hostname=host)
             except OSError as error:
                 connected.close()

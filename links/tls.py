@@ -1,6 +1,6 @@
 """TLS 1.3 with certificates on both ends, over the same sockets as tcp.
 
-    tls://host:port?keys=FOLDER          as tcp://
+    tls://host:port?keys=FOLDER          as tcp://; handshake=5: s that it may take
     tls-listen://host:port?keys=FOLDER   as tcp-listen://, with all its options
 
 FOLDER (default ``~/.config/auvmission/keys``) holds ca.pem, cert.pem and key.pem, as `auvmission
@@ -16,7 +16,7 @@ from pathlib import Path
 
 from links import Address
 from links.base import Link, LinkAbsent
-from links.tcp import TcpClient, TcpServer, settings
+from links.tcp import CONNECT_TIMEOUT, TcpClient, TcpServer, settings
 
 FOLDER = "~/.config/auvmission/keys"
 FILES = ("ca.pem", "cert.pem", "key.pem")
@@ -50,4 +50,5 @@ def open_url(name: str, address: Address) -> Link:
     if address.scheme == "tls-listen":
         tls = context(folder, server=True)
         return TcpServer(name, host, port, admission=admission, tls=tls)
-    return TcpClient(name, host, port, tls=context(folder, server=False))
+    within = address.number("handshake", CONNECT_TIMEOUT, 1.0, 120.0)
+    return TcpClient(name, host, port, tls=context(folder, server=False), handshake=within)

@@ -22,6 +22,7 @@ from mission.topside.upload import upload as upload_script
 
 NAME = "vehicle"
 LOOK_S = 0.02
+HANDSHAKE_S = 60  # of a monitor: as long as it gives its viewers
 
 
 class Unreachable(OperatorError):
@@ -124,10 +125,17 @@ def _heard(link: Link, now: float) -> Iterator[Rx]:
     yield from (rx._replace(link="") for rx in link.receive(now) or [Rx(now, "", b"")])
 
 
+def patient(url: str) -> str:
+    """With as long for a handshake as the monitor allows: a thin radio needs half a minute."""
+    if not url.startswith("tls://") or "handshake=" in url:
+        return url
+    return f"{url}{'&' if '?' in url else '?'}handshake={HANDSHAKE_S}"
+
+
 def observe(url: str, wish: bytes, watched: Watched) -> Iterator[Frame | None]:
     """The frames of a monitor, for ever, each answered; None every ``LOOK_S`` in which none comes.
     Raises LinkError, NoMonitor."""
-    link = open_link("monitor", url)
+    link = open_link("monitor", patient(url))
     try:
         link.send(wish, time.monotonic())
         while True:

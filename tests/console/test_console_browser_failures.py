@@ -230,6 +230,7 @@ def test_a_tab_that_the_browser_hides_lets_the_vehicle_go_within_two_seconds(
         for key in ("Shift", "ArrowUp"):
             tabs.key(key, "keyDown")
         tabs.shows("#state", "manual/driving")
+        soon(lambda: bool(drives(tmp_path)), "on record")
         (before,) = drives(tmp_path)
         assert (tabs.is_seen(), before.gone) == ("visible, in front", None)
         other = tabs.another()

@@ -18,9 +18,11 @@ from patience import LONG, until
 from links import open_link
 from links.admission import HANDSHAKE, LOBBY
 from links.base import Link, LinkAbsent, LinkClosed
-from links.tcp import TcpClient, TcpServer
+from links.tcp import CONNECT_TIMEOUT, TcpClient, TcpServer
 from links.tls import context
 from mission.onboard.serve.keys import make_keys
+from mission.onboard.serve.listening import listening_to_viewers
+from mission.topside.console import patient
 
 pytestmark = pytest.mark.skipif(shutil.which("openssl") is None, reason="openssl makes the keys")
 
@@ -254,3 +256,30 @@ def test_missing_keys_name_the_file_and_the_remedy(tmp_path: Path) -> None:
         (tmp_path / name).write_text("no key at all")
     with pytest.raises(LinkAbsent, match="no keys of ours"):
         open_link("vehicle", f"tls://127.0.0.1:1?keys={tmp_path}")
+
+
+def test_over_a_thin_radio_a_viewer_waits_as_long_for_the_handshake_as_the_monitor(
+    keys: Path,
+) -> None:
+    """The radio is silent for longer than a client waits that is in a hurry."""
+    folder = keys / "ours"
+    url = f"tls-listen://127.0.0.1:0?keys={folder / 'vehicle'}"
+    server = open_link("monitor", listening_to_viewers(url))
+    assert isinstance(server, TcpServer)
+    client = f"tls://127.0.0.1:{server.port}?keys={folder / 'boat'}"
+    opened = threading.Event()
+
+    def serve_late() -> None:
+        time.sleep(CONNECT_TIMEOUT + 1.0)
+        while not opened.is_set():
+            server.receive(0.0)
+            time.sleep(0.001)
+
+    late = threading.Thread(target=serve_late)
+    late.start()
+    try:
+        open_link("monitor", patient(client)).close()
+    finally:
+        opened.set()
+        late.join()
+        server.close()

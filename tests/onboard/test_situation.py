@@ -314,3 +314,24 @@ def test_on_the_pi_what_a_silent_vehicle_said_grows_old_and_no_margin_is_told_of
     assert old["margins"]["depth"].left is None
     later = old["sensors"]["fix_age"].value - new["sensors"]["fix_age"].value
     assert later == pytest.approx(told_at + VEHICLE.stale_after + 0.1 - pi.now)
+
+
+def test_where_it_takes_itself_to_be_is_less_sure_the_longer_the_board_is_silent() -> None:
+    """Stopped and afloat no timer is due: the engine's own estimate is then of its last step."""
+    pi = Pi(gps=True)
+    pi.until(9.0)
+    for rx in pi.sea.gps_link.receive(pi.now):
+        pi.runtime.receive(rx, pi.now)
+    pi.until(10.0)
+    sure, seen = pi.told(), view(pi.runtime, (), pi.now)
+    health = of_drive(pi.runtime, VEHICLE, pi.now)
+    pi.unplugged, pi.now = True, pi.now + 188.0
+    late, after = pi.told(), view(pi.runtime, (), pi.now)
+    assert late.uncertainty_m is not None
+    assert sure.uncertainty_m is not None
+    assert late.uncertainty_m > sure.uncertainty_m + 5
+    assert after["ellipse"][0] > seen["ellipse"][0] + 5.0
+    grown = of_drive(pi.runtime, VEHICLE, pi.now)["sensors"]["uncertainty"].value
+    assert grown > health["sensors"]["uncertainty"].value + 5.0
+    assert grown == pytest.approx(after["ellipse"][0], abs=0.1)
+    assert replay(pi.recorder.records).identical

@@ -56,7 +56,7 @@ class Playback:
         self._now = max(self._now, min(t, self.end))
         known = self._runtime.situation
         stand = standing(self._runtime.condition(self._now))
-        state = view(self._runtime, (*stand, *alarms_of(mask_of(known.of_serve))))
+        state = view(self._runtime, (*stand, *alarms_of(mask_of(known.of_serve))), self._now)
         if state["latitude"] is not None and state["report_at"] is not None:
             place = state["latitude"], state["longitude"], state["depth"]
             self._monitor.track.add(state["report_at"], *place)

@@ -14,10 +14,11 @@ import math
 from collections import deque
 
 from mission.engine.engine import Engine
-from mission.model import AUTONOMOUS, MANUAL_DRIVING, SURFACING, Action, Step
+from mission.model import AUTONOMOUS, MANUAL_DRIVING, SURFACING, Action, Estimate, Step
 from mission.model.alarms import Condition, mask_of, standing
 from mission.model.regions import EMERGENCY, MANUAL
 from mission.model.vehicle import Vehicle
+from mission.navigation import distribution
 from mission.onboard.runtime.command_target import MODEM, Peer, one_line
 from mission.onboard.runtime.refusals import DOUBT_S
 from protocol.messages import Fix, Order, Setpoint, StateReport, Telemetry
@@ -130,8 +131,8 @@ class Situation:
         self, condition: Condition, asker: Peer, commander: Peer | None, now: float
     ) -> StateReport:
         engine = self._engine
-        north, east = self._drift()
-        left = self.margins()
+        north, east = self._drift(now)
+        left = self.margins(now)
         names = (*(alarm.name for alarm in standing(condition)), *self.of_serve)
         state = AUTONOMOUS if engine.state.startswith(AUTONOMOUS) else engine.state
         return StateReport(
@@ -139,7 +140,7 @@ class Situation:
             commander=_whose(asker, commander),
             report_age=_finite(self.report_age(now)),
             fix_age=self.fix_age(now),
-            uncertainty_m=self.uncertainty,
+            uncertainty_m=self.uncertainty(now),
             north_m=north,
             east_m=east,
             to_depth_m=left["depth"],
@@ -168,30 +169,46 @@ class Situation:
         estimate = self._engine.estimate
         return None if self._gps or estimate is None else estimate.fix_age
 
-    @property
-    def uncertainty(self) -> float | None:
-        """m, the radius that holds the position to 95 %; None where there is none."""
-        reading = self._engine.readings["uncertainty"]
-        return _finite(reading.value) if reading.valid else None
+    def estimate(self, now: float) -> Estimate | None:
+        """Of ``now``: the engine's own is of its last step, and none comes while the board is
+        silent and no timer is due. It changes nothing of the filter."""
+        told, navigation = self._engine.estimate, self._engine.core.vehicle_state.navigation
+        if told is None or navigation is None or now <= told.t:
+            return told
+        return navigation.estimate(now)
 
-    def _drift(self) -> tuple[float | None, float | None]:
+    def uncertainty(self, now: float) -> float | None:
+        """m, the radius that holds the position to 95 %; None where there is none."""
+        estimate = self.estimate(now)
+        if estimate is None or not self._engine.readings["uncertainty"].valid:
+            return None
+        return _finite(distribution.PLANE_95 * distribution.principal(estimate.covariance)[0])
+
+    def range(self, now: float) -> float | None:
+        """m, from home; None where that is not known."""
+        estimate = self.estimate(now)
+        if estimate is None or not self._engine.readings["range"].valid:
+            return None
+        return math.hypot(estimate.north, estimate.east)
+
+    def _drift(self, now: float) -> tuple[float | None, float | None]:
         """m, from the last fix to where it is estimated to be."""
-        estimate, navigation = self._engine.estimate, self._engine.core.vehicle_state.navigation
+        estimate, navigation = self.estimate(now), self._engine.core.vehicle_state.navigation
         frame = navigation.frame if navigation is not None else None
         shown = self.shown
-        if shown is None or estimate is None or frame is None or self.uncertainty is None:
+        if shown is None or estimate is None or frame is None or self.uncertainty(now) is None:
             return None, None
         north, east = frame.to_local(shown.latitude, shown.longitude)
         return estimate.north - north, estimate.east - east
 
-    def margins(self) -> dict[str, float | None]:
+    def margins(self, now: float) -> dict[str, float | None]:
         """Left to the limits in force: m, m, min, V."""
         readings, bounds = self._engine.readings, self._engine.bounds
         elapsed = self._engine.mission_time
-        depth, far, volts = (
-            readings[name].value if readings[name].valid else None
-            for name in ("depth", "range", "battery")
+        depth, volts = (
+            readings[name].value if readings[name].valid else None for name in ("depth", "battery")
         )
+        far = self.range(now)
         return {
             "depth": None if depth is None else bounds.depth - depth,
             "radius": None if far is None else bounds.radius - far,

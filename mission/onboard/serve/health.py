@@ -14,7 +14,7 @@ import json
 import math
 import os
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -108,6 +108,9 @@ def of_drive(runtime: Runtime, vehicle: Vehicle, now: float) -> dict[str, Any]:
     readings, bounds = engine.readings, engine.bounds
     late = max(0.0, now - engine.core.now)
     sensors = {name: _sensor(name, readings[name], late, vehicle) for name in _SHOWN}
+    far, sure = runtime.situation.range(now), runtime.situation.uncertainty(now)
+    for name, value in (("range", far), ("uncertainty", sure)):  # of now, though no step came
+        sensors[name] = replace(sensors[name], value=value)
 
     def known(name: str) -> float | None:
         return None if sensors[name].why else _finite(readings[name].value)
@@ -127,7 +130,7 @@ def of_drive(runtime: Runtime, vehicle: Vehicle, now: float) -> dict[str, Any]:
         "disarmed": {row.name: why for row in LIMITS.values() if (why := row.disarmed(vehicle))},
         "margins": {
             "depth": _margin(bounds.depth, known("depth"), "m"),
-            "radius": _margin(bounds.radius, known("range"), "m"),
+            "radius": _margin(bounds.radius, None if sensors["range"].why else far, "m"),
             "time": _margin(bounds.time, elapsed, "s"),
             "voltage": Margin(
                 bounds.voltage, volts, None if volts is None else volts - bounds.voltage, "V"

@@ -367,7 +367,7 @@ class Server:
         without a runtime."""
         if self._runtime is None:
             return None
-        state = view(self._runtime, self._alarms.standing)
+        state = view(self._runtime, self._alarms.standing, self.now())
         return self.now(), state, self._store.content.lines
 
     # --- tasks -------------------------------------------------------------------------------

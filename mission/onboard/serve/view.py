@@ -28,20 +28,22 @@ from protocol.state_frame import setpoint_words
 _READINGS = ("depth", "altitude", "heading", "pitch", "roll", "speed", "battery")
 
 
-def view(runtime: Runtime, alarms: Iterable[Alarm]) -> dict[str, Any]:
-    """The rows that matter most stand first: a thin radio gets them first."""
+def view(runtime: Runtime, alarms: Iterable[Alarm], now: float | None = None) -> dict[str, Any]:
+    """At ``now`` s, by default the engine's last step. What matters most stands first: a thin radio
+    gets it first."""
     engine, known = runtime.engine, runtime.situation
+    now = engine.core.now if now is None else now
     return {
         "state": engine.state,
         "alarms": [asdict(alarm) for alarm in alarms],
         "leg": engine.leg,
         "depth": _bare(runtime, "depth"),
-        **_place(runtime),
+        **_place(runtime, now),
         "report_at": _rounded(known.telemetry.t) if known.telemetry else None,
         "fix_at": _fixed(runtime),
         "setpoint": setpoint_words(known.setpoint),
         "commander": str(runtime.commander.peer or ""),
-        **_margins(runtime),
+        **_margins(runtime, now),
         "reason": engine.reason,
         "mission": engine.chart.digest[:16] if engine.chart else "",
         "mission_began": _rounded(engine.core.run.started) if engine.core.run else None,
@@ -61,12 +63,12 @@ def _origin(runtime: Runtime) -> list[float] | None:
     return [round(origin.latitude_deg, 8), round(origin.longitude_deg, 8)]
 
 
-def _place(runtime: Runtime) -> dict[str, Any]:
+def _place(runtime: Runtime, now: float) -> dict[str, Any]:
     """The estimate, its 95 % ellipse (half axes, bearing of the long one) and the current."""
     engine, known = runtime.engine, runtime.situation
-    estimate, navigation = engine.estimate, engine.core.vehicle_state.navigation
+    estimate, navigation = known.estimate(now), engine.core.vehicle_state.navigation
     frame = navigation.frame if navigation is not None else None
-    if estimate is None or frame is None or known.uncertainty is None:
+    if estimate is None or frame is None or known.uncertainty(now) is None:
         return {"latitude": None, "longitude": None, "ellipse": None, "current": None}
     latitude, longitude = frame.to_geodetic(estimate.north, estimate.east)
     great, small, bearing = distribution.principal(estimate.covariance)
@@ -86,10 +88,10 @@ def _fixed(runtime: Runtime) -> float | None:
     return None if age is None else _rounded(now - age)
 
 
-def _margins(runtime: Runtime) -> dict[str, Any]:
+def _margins(runtime: Runtime, now: float) -> dict[str, Any]:
     """What is left to each limit, with the limit."""
     bounds = runtime.engine.bounds
-    left = runtime.situation.margins()
+    left = runtime.situation.margins(now)
     limits = {"depth": bounds.depth, "radius": bounds.radius, "time": bounds.time / 60.0,
               "voltage": bounds.voltage}  # fmt: skip
     return {
