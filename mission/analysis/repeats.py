@@ -166,11 +166,9 @@ class Commands:
             return "no answer to the others"
         if silent == run.count:
             return "no answer to any of them"
-        return (
-            f"{silent} times not even the last was answered"
-            if silent
-            else ("only the last was answered")
-        )
+        if silent:
+            return f"{silent} times not even the last was answered"
+        return "only the last was answered"
 
 
 class Words:

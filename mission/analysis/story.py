@@ -207,11 +207,8 @@ class Teller:
         blind = self._doubts is not None and not self._doubts.believes("depth", step.t)
         if step.event != "fix":
             return ", proved by a depth that stayed shallow"
-        return (
-            ", proved by fixes alone, for no depth can be believed"
-            if blind
-            else ", proved by a fix"
-        )
+        alone = ", proved by fixes alone, for no depth can be believed"
+        return alone if blind else ", proved by a fix"
 
     def _tell_again(self, step: Step) -> None:
         """A limit that leads to no other state, but to words; an ascent that goes on."""

@@ -25,7 +25,7 @@ class Attitude(NamedTuple):
     roll: float = 0.0
     pitch: float = 0.0
     reports: int = 0
-    told: bool = True
+    told: bool = False
     gone: bool = False
 
     @property
@@ -46,9 +46,9 @@ class Attitude(NamedTuple):
             return Attitude(told=self.told, gone=self.told)
         worst = max(abs(roll), abs(pitch))
         if not OVERTURNED < worst <= _FULL_CIRCLE:
-            return Attitude(roll, pitch)
+            return Attitude(roll, pitch, told=True)
         repeats = _apart(roll, self.roll) < _SAME and _apart(pitch, self.pitch) < _SAME
-        return Attitude(roll, pitch, self.reports + (not repeats or not self.reports))
+        return Attitude(roll, pitch, self.reports + (not repeats or not self.reports), told=True)
 
 
 def _apart(a: float, b: float) -> float:

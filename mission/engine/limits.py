@@ -121,7 +121,7 @@ def _uncertain(watch: Watch) -> bool | None:
         return None
     if watch.fences and doubted(watch.fences, here, e.covariance, watch.vehicle_state.depth):
         return True
-    reach = math.hypot(*here) + distribution.PLANE_95 * distribution.principal(e.covariance)[0]
+    reach = math.hypot(*here) + distribution.around_95(e.covariance)
     if reach <= watch.bounds.radius:  # more than enough, and cheap
         return False
     return distribution.within(watch.bounds.radius, *here, e.covariance) < 0.95
@@ -219,7 +219,7 @@ _ROWS = (
     Limit(
         "unexplained descent",
         "depth",
-        "2 m deeper while nothing asks for it, or faster than the vehicle dives by 0.5 m",
+        "2 m deeper while nothing asks for it, or 0.5 m deeper than it dives at its fastest",
         lambda w: w.descent.unexplained,
         lambda w: w.descent.words,
         samples=2,

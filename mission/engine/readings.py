@@ -143,12 +143,9 @@ def current(scope: Scope) -> Value:
     return None if e is None else math.hypot(e.current_north, e.current_east)
 
 
-_PLANE_95 = math.sqrt(-2.0 * math.log(0.05))  # radius in sigmas that holds 95 % in the plane
-
-
 def uncertainty(scope: Scope) -> Value:
     e = _located(scope)
-    return None if e is None else _PLANE_95 * distribution.principal(e.covariance)[0]
+    return None if e is None else distribution.around_95(e.covariance)
 
 
 def fix_age(scope: Scope) -> Value:

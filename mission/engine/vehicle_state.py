@@ -106,11 +106,8 @@ class VehicleState:
         self.receiver = Receiver()
         self._fixed_at = -math.inf  # of the last one that proves the surface
         self.estimate: Estimate | None = None
-        self.attitude = Attitude(told=False)
-        self._travelled = (
-            math.inf,
-            -math.inf,
-        )  # m, s: of a depth whose zero is wrong
+        self.attitude = Attitude()
+        self._travelled = math.inf, -math.inf  # m, s: by a depth whose zero is wrong
         self.believed_depth: float | None = None  # the last one that could be believed
         self._believed_at = -math.inf
         self.rising_since: float | None = None  # the ascent's first word, and no other leg since

@@ -42,6 +42,11 @@ def of_principal(great: float, small: float, direction: float) -> Covariance:
     return nn, (great**2 - small**2) * c * s, ee
 
 
+def around_95(covariance: Covariance) -> float:
+    """m: the circle around the ellipse that holds 95 %, which is what ``uncertainty`` says."""
+    return PLANE_95 * principal(covariance)[0]
+
+
 def radius_95(covariance: Covariance) -> float:
     """m about the mean that hold 95 %: a cubic in the ratio of the axes, to 0.2 %."""
     great, small, _ = principal(covariance)

@@ -275,7 +275,7 @@ def test_a_mission_goes_on_at_any_depth():
 
 
 def attitude(*reports: tuple[float | None, float | None]) -> Attitude:
-    seen = Attitude(told=False)
+    seen = Attitude()
     for roll, pitch in reports:
         angles = [None if a is None else math.radians(a) for a in (roll, pitch)]
         seen = seen.after(Telemetry(0.0, roll=angles[0], pitch=angles[1]))

@@ -38,7 +38,7 @@ from mission.legs.pattern import Pattern
 from mission.model import Comparison, Expression, Group, Leg, Mission, Node, Or, Set, Setting
 from mission.model.units import GEARS
 from mission.model.vehicle import Vehicle
-from mission.navigation.distribution import PLANE_95, along, principal, radius_95
+from mission.navigation.distribution import along, around_95, radius_95
 from mission.navigation.fixes import SETTLED
 from mission.navigation.geodesy import LocalFrame
 from mission.navigation.model import figures
@@ -153,7 +153,7 @@ class Drift:
     @property
     def radius(self) -> float:
         """m, as `uncertainty` says it."""
-        return PLANE_95 * principal(self.place)[0]
+        return around_95(self.place)
 
 
 class _Course:

@@ -18,7 +18,7 @@ from mission.model import AUTONOMOUS, MANUAL_DRIVING, SURFACING, Action, Estimat
 from mission.model.alarms import Condition, mask_of, standing
 from mission.model.regions import EMERGENCY, MANUAL
 from mission.model.vehicle import Vehicle
-from mission.navigation import distribution
+from mission.navigation.distribution import around_95
 from mission.onboard.runtime.command_target import MODEM, Peer, one_line
 from mission.onboard.runtime.refusals import DOUBT_S
 from protocol.messages import Fix, Order, Setpoint, StateReport, Telemetry
@@ -44,6 +44,7 @@ class Situation:
         self._owes_report = False
         self._has_news = False  # a report, a fix or a step since the last look at the surface
         self.of_serve: tuple[str, ...] = ()  # alarms that serve has told
+        self._ahead: tuple[Estimate | None, float, Estimate | None] = None, 0.0, None
 
     def note(self, step: Step) -> None:
         """Who was under way owes the boat one @VS at the surface (R11)."""
@@ -175,14 +176,18 @@ class Situation:
         told, navigation = self._engine.estimate, self._engine.core.vehicle_state.navigation
         if told is None or navigation is None or now <= told.t:
             return told
-        return navigation.estimate(now)
+        before, at, ahead = self._ahead
+        if before is not told or at != now:  # asked for by several rows of one frame
+            ahead = navigation.estimate(now)
+            self._ahead = told, now, ahead
+        return ahead
 
     def uncertainty(self, now: float) -> float | None:
         """m, the radius that holds the position to 95 %; None where there is none."""
         estimate = self.estimate(now)
         if estimate is None or not self._engine.readings["uncertainty"].valid:
             return None
-        return _finite(distribution.PLANE_95 * distribution.principal(estimate.covariance)[0])
+        return _finite(around_95(estimate.covariance))
 
     def range(self, now: float) -> float | None:
         """m, from home; None where that is not known."""
