@@ -30,6 +30,8 @@ from mission.model.extent import DEEPEST_YAML, NODES, STATEMENT
 from mission.model.texts import Where
 
 _DEEPEST_PLACE = 2  # tables in each other whose keys have a place
+_TOO_DEEP = f"nested too deep: {DEEPEST_YAML.exceeded}"
+_SCANNER_TOO_DEEP = "exceeded maximum nesting depth"  # libyaml reads ahead, and gives up by itself
 _Loader: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
 
@@ -146,6 +148,8 @@ def tree(text: str) -> Node | None:
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         line, column = (mark.line + 1, mark.column + 1) if mark else (1, 1)
+        if error.problem == _SCANNER_TOO_DEEP:
+            raise YamlFault(line, column, _TOO_DEEP, "too-deep") from None
         raise YamlFault(line, column, error.problem or error.context or "") from None
     except yaml.reader.ReaderError as error:
         line = text.count("\n", 0, error.position) + 1
@@ -193,7 +197,7 @@ def _fault(event: Any, message: str, code: str = "yaml") -> YamlFault:
 
 
 def _too_deep(event: Any) -> YamlFault:
-    return _fault(event, f"nested too deep: {DEEPEST_YAML.exceeded}", "too-deep")
+    return _fault(event, _TOO_DEEP, "too-deep")
 
 
 def _too_long(event: Any, message: str) -> YamlFault:
