@@ -7,8 +7,9 @@ A way that makes the depth fall, from its turn's begin or, where it sank on, fro
 is kept for as long as it does, and said once more when it no longer does: the board may have lost
 it. One under which a vehicle that sank has just turned round has another turn. Behind a push the
 wrong way a vehicle sinks on before it rises, and letting go then has two turns. Full thrust has two
-when it comes round again:
-by a depth that comes 12 s late what one way lifts is seen in the turn of the next.
+when it comes round again: by a depth that comes 12 s late what one way lifts is seen in the turn of
+the next. Where no depth tells, it has one more each time it comes round, up to four: what is heavy
+sinks in the turns of the others.
 An unknown depth counts as not falling. Where the attitude is doubtful too, any push may lead down:
 each time the vehicle is let go that lasts twice as long, up to 160 s, and then 10 s again, since
 what is heavy needs the pushes. It never gives up. Where it begins depends on what is known: with X0
@@ -37,6 +38,7 @@ DOWNWARD = Setpoint(heave=1.0)  # lifts a vehicle that is upside down
 OVERTURNED_TURN = 5.0  # s that DOWNWARD is given (R7)
 OVERTURNED_PAUSE = 60.0  # s from one DOWNWARD to the next (R7)
 LONGER = 5  # times that letting go comes round, each twice as long: 10 s to 160 s (R7)
+BLIND = 4  # turns of full thrust at most that no depth tells of (R7)
 WORD = 1.0  # s that an operator's W has for itself before the next way; once a turn
 DEEPER = 1.0  # m, and DOWNWARD is given up (R7); behind another way, letting go has two turns
 
@@ -59,7 +61,7 @@ class Ascent:
             "_looked",
             "_overturned_at",
             "_push",
-            "_pushed",
+            "_pushes",
             "_since",
             "_start_depth",
             "_ways",
@@ -91,7 +93,7 @@ class Ascent:
         self._at = ways.index(first) if first in ways else 0
         self.way: Way = ways[self._at]
         self._push = UPWARD if UPWARD in ways else Order.SURFACE  # that has two turns later
-        self._pushed = self.way == self._push
+        self._pushes = int(self.way == self._push)
         self._overturned_at = now - OVERTURNED_PAUSE
 
     @property
@@ -121,6 +123,9 @@ class Ascent:
         elif self._works(fallen):
             self._begin_turn(now, depth)
             return ()
+        elif depth is None and self._pushes_on(overturned):
+            self._lengthen()
+            return ()
         seen = "is not known" if fallen is None else f"is {depth:.1f} m, no less"
         why = f"{self._why}: after {now - self._since:.3g} s the depth {seen}"
         if self._kept and not overturned:
@@ -145,6 +150,15 @@ class Ascent:
         self._kept = self._kept or rises
         return rises or (sank > DEEPER and fallen >= ROUND)
 
+    def _pushes_on(self, overturned: bool) -> bool:
+        """Nothing tells whether full thrust lifts it, and it has not had its turns."""
+        sure = not overturned and not self._dark
+        return sure and self.way == self._push and self._turn < self._pushes * TURN
+
+    def _lengthen(self) -> None:
+        self._turn += TURN
+        self._longest = self._turn + WORD
+
     def _change(self, now: float, depth: float | None, overturned: bool) -> None:
         """Begins the turn of the next way."""
         driven, turn = self._has_led_deeper(depth), TURN
@@ -155,8 +169,8 @@ class Ascent:
         elif self.way is Order.STOP and driven:
             turn = 2.0 * TURN
         elif self.way == self._push:
-            turn = 2.0 * TURN if self._pushed and depth is not None and not overturned else TURN
-            self._pushed = True
+            turn = 2.0 * TURN if self._pushes and depth is not None and not overturned else TURN
+            self._pushes = min(self._pushes + 1, BLIND)
         self._begin_turn(now, depth, turn)
 
     def _see(self, *, dark: bool) -> None:

@@ -90,8 +90,10 @@ def test_an_ascent_begins_with_what_is_likely_to_help(depth, more, way):
 
 def test_a_vehicle_with_one_push_is_let_go_in_turn():
     ascent = Ascent(0.0, None, "why", (Order.SURFACE, Order.STOP))
-    said = [a.command for t in range(10, 50, 10) for a in ascent.act(float(t), None, False)]
-    assert [ascent.first()[0].command, *said] == [Order.SURFACE, Order.STOP] * 2 + [Order.SURFACE]
+    said = [(t, a.command) for t in range(10, 60, 10) for a in ascent.act(float(t), None, False)]
+    assert ascent.first()[0].command is Order.SURFACE
+    turns = [(10, Order.STOP), (20, Order.SURFACE), (40, Order.STOP), (50, Order.SURFACE)]
+    assert said == turns
 
 
 # --- upside down ---------------------------------------------------------------------------------
@@ -238,6 +240,25 @@ def test_of_a_depth_that_comes_late_full_thrust_is_tried_for_longer():
         ascent.act(float(t), depths[-7], False)  # 12 s old
         depths.append(depths[-1] + (-0.3 if ascent.way == UPWARD else 0.6))
     assert min(depths) < 3.0
+
+
+def test_where_no_depth_tells_full_thrust_lasts_longer_each_time_it_comes_round():
+    """What is heavy sinks in the turns of the others."""
+    ascent, said = begun(None), [(0, UPWARD)]
+    for t in range(1, 400):
+        said += [(t, a.command) for a in ascent.act(float(t), None, False)]
+    spans = [(way, b - a) for (a, way), (b, _) in pairwise(said)]
+    assert [span for way, span in spans if way == UPWARD][:6] == [10, 20, 30, 40, 40, 40]
+    assert {span for way, span in spans if way != UPWARD} == {10}
+
+
+def test_a_depth_that_is_known_again_judges_the_long_turn_of_full_thrust():
+    for rate, kept in ((-0.25, True), (0.25, False)):
+        ascent, ticks = begun(None), iter(range(10, 300, 10))
+        t = next(t for t in ticks if not ascent.act(float(t), None, False) and t > 120)
+        depths = {t + s: 20.0 + rate * s for s in range(1, 11)}
+        acted = [a.command for at, depth in depths.items() for a in ascent.act(at, depth, False)]
+        assert (acted == []) is kept
 
 
 def test_a_copy_of_an_ascent_goes_its_own_way():

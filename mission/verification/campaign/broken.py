@@ -128,6 +128,11 @@ _RULES: Mapping[str, Broken] = {
     "pushed in the dark": Broken(
         "R7: upside down and blind, no push", breaks.pushes_in_the_dark, alike=same
     ),
+    "blind thrust": Broken(
+        "R7: full thrust lasts longer where no depth tells",
+        nothing(Ascent, "_pushes_on", False),
+        alike=same,
+    ),
     "safe outputs": Broken(
         "R18: an emergency makes outputs safe",
         nothing(OutputKeeper, "_make_safe"),

@@ -145,7 +145,7 @@ def dives_unseen(settings: Settings, t: float) -> bool:
 
 def unknown_and_heavy(settings: Settings, end: float) -> int:
     """s until ``end`` in which it sinks by itself and nobody knows whether it does: the ways that
-    take turns then (R7) lift it for ten seconds of thirty."""
+    take turns then (R7) lift it for ten seconds of thirty at first, and forty of sixty at last."""
     return sum(
         net(settings, float(t)) < SLIGHT and unknown(settings, float(t)) for t in range(int(end))
     )

@@ -157,8 +157,8 @@ def fly_near(plan: Plan) -> tuple[FlightResult, dict[str, float]]:
     result = result_of(plan, trial, vehicle, plan.profile)
     if trial.raised:
         return result, {}
-    mission, settings = plan.subject.mission, plan.settings
-    story = Story(trial, mission, vehicle, plan.profile, settings, plan.silence)
+    settings = plan.settings
+    story = Story(trial, trial.mission, vehicle, plan.profile, settings, plan.silence)
     return result, margins(story)
 
 
@@ -173,7 +173,7 @@ def result_of(
 ) -> FlightResult:
     """``whole``: the trial begins with the program, so that its whole flight can be judged.
     ``more``: what other laws have found."""
-    mission = plan.subject.mission
+    mission = trial.mission
     found = [*violations(trial, mission, vehicle, profile, plan.settings), *more]
     if whole:
         found += throughout(trial, mission, vehicle, profile, plan.settings, plan.silence)

@@ -127,8 +127,8 @@ def _heavy_and_clogged(rng: Random) -> Scene:
 
 
 def _lifted_by_u_alone(rng: Random, t: float) -> tuple[FaultEvent, FaultEvent]:
-    """Not by ten seconds of thirty."""
-    weight = fault("heavy", t, FOREVER, round(rng.uniform(38.0, 45.0), 1))
+    """Not by forty seconds of sixty, as without a depth at last."""
+    weight = fault("heavy", t, FOREVER, round(rng.uniform(48.0, 54.0), 1))
     return weight, fault("deaf_to_w", t)
 
 
@@ -230,10 +230,16 @@ def _blind_and_wandering(rng: Random) -> Scene:
 
 def _heavy_and_wandering(rng: Random) -> Scene:
     """Heavy, U12 alone lifts it, and the receiver makes places up. An X lets it sink for so long
-    that it is not back where it was when half a minute of fixes could speak against its depth."""
+    that it is not back where it was when half a minute of fixes could speak against its depth. Where
+    that comes late, the fixes contradict it."""
     t = rng.uniform(DOWN, 60.0)
     wanders = fault("gps_wanders", rng.uniform(4.0, 8.0))
-    return Scene("deep", (*_lifted_by_u_alone(rng, t), wanders), (say(t, X),))
+    faults = [*_lifted_by_u_alone(rng, t), wanders]
+    if rng.random() < 0.5:
+        weight = fault("heavy", t, FOREVER, round(rng.uniform(38.0, 45.0), 1))
+        late = fault("depth_late", t + 1.7, FOREVER, 9.0)
+        faults = [weight, fault("deaf_to_w", t), wanders, late]
+    return Scene("deep", tuple(faults), (say(t, X),))
 
 
 def _clogged(rng: Random) -> Scene:

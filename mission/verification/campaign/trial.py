@@ -18,7 +18,7 @@ from links.simulated.geodesy import moved
 from links.simulated.link import START, SimulatedVehicle
 from links.simulated.plant import DEAD_BAND_PWM, NEUTRAL_PWM
 from links.simulated.settings import FaultEvent, Settings
-from mission.authoring.language import digest, script
+from mission.authoring.language import digest, parse, script
 from mission.model import AUTONOMOUS, STOPPED, SURFACED, Mission, Step
 from mission.model.vehicle import Vehicle
 from mission.onboard.configuration import Configuration
@@ -87,7 +87,13 @@ def try_out(
         trial.started,
         raised,
         _is_turning(sea) if isinstance(sea, SimulatedVehicle) else sea.turning,
+        _first_flown(trial.lines, mission),
     )
+
+
+def _first_flown(lines: tuple[str, ...], mission: Mission) -> Mission:
+    """What the store held as the first flight began: another boat may have sent another mission."""
+    return mission if lines in ((), script(mission)) else parse("\n".join(lines) + "\n")
 
 
 class _Trial(Rig):
@@ -104,6 +110,7 @@ class _Trial(Rig):
         self._last = max([0.0, *ends, *(disturbance.after for disturbance in disturbances)])
         self._deadline = self._last + UPLOAD + OPERATOR_AFTER + ASCENT
         self._safety = safety
+        self.lines: tuple[str, ...] = ()  # of the mission that was started first
         self._rests_since: float | None = None
 
     def fly(self, *, begins: bool) -> str:
@@ -142,6 +149,7 @@ class _Trial(Rig):
     def stepped(self, step: Step) -> None:
         super().stepped(step)
         if any(path.startswith(AUTONOMOUS) for path in step.entered):
+            self.lines = self.lines or self.program.store.content.lines
             self._deadline = max(self._deadline, step.t + self._safety + ASCENT)
 
 

@@ -133,7 +133,7 @@ def _is_left_blind(story: Story, stay: Stay) -> Iterator[Violation]:
         due = begin + _BLIND + _FROZEN
         turned = all(r.may_turn for r in story.reports if begin - 2.0 <= r.t <= due)
         told = len(story.told_in(begin, due)) >= (due - begin) / 2.0 - 2.0
-        alone = len(story.faults((sensor,), begin - 10.0, due)) == 1
+        alone = len(story.faults((sensor,), fault.begin - 10.0, due)) == 1  # one's end ends both
         known = turned and told and alone and not story.hindered(begin, due)
         if known and min(stay.end, fault_ends(fault)) > due:
             yield Violation(UNLAWFUL, due, f"{fault.name}, and still in {stay.state}")

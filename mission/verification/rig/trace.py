@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 from links.simulated.geodesy import local
 from links.simulated.link import Truth
-from mission.model import Estimate, Step, Tx
+from mission.model import Estimate, Mission, Step, Tx
 from mission.verification.rig.acts import Act
 
 
@@ -63,6 +63,7 @@ class Trace:
     started: float | None
     raised: str
     turning: bool  # some thruster is on at the end
+    mission: Mission  # the one that was flown first
 
 
 def from_home(trace: Trace, place: Truth) -> tuple[float, float]:

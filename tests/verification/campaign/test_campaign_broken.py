@@ -15,7 +15,7 @@ from known_missions import KNOWN
 from links.simulated.settings import FaultEvent
 from mission.authoring.check import check_mission
 from mission.authoring.compiler.compiler import compile_mission
-from mission.authoring.language import digest
+from mission.authoring.language import digest, script
 from mission.commands.faults import faults
 from mission.engine import monitor, vehicle_state
 from mission.engine.core import Core
@@ -29,7 +29,9 @@ from mission.verification.campaign.noticing import Flights, notice
 from mission.verification.campaign.scene_texts import TEXTS, mission_of
 from mission.verification.campaign.scenes import SCENES
 from mission.verification.rig.acts import MODEM, Act, Disturbance
+from protocol.messages import MissionLine
 from protocol.modem import Sender, wrap
+from protocol.topside import encode
 
 pytestmark = pytest.mark.proof  # long: make proofs
 
@@ -84,7 +86,8 @@ SEEN = [
     ("depth that moves", "heavy_and_clogged", 0, "lost", "deep at the end"),
     ("unchanged depth", "restarted_frozen", 0, "unlawful", "surfaced, said"),
     ("fixes too early", "blind_and_wandering", 0, "unlawful", "surfaced, said"),
-    ("fixes against movement", "heavy_and_wandering", 1, "lost", "deep at the end"),
+    ("fixes against movement", "heavy_and_wandering", 0, "lost", "deep at the end"),
+    ("blind thrust", "heavy_and_wandering", 5, "lost", "deep at the end"),
 ]
 
 
@@ -169,6 +172,30 @@ def test_what_dives_until_it_hears_u12_is_left_alone_while_auto_is_closed_and_th
     with broken("way U12"):
         found = judged(replace(closed, incidents=()))
     assert any(kind == "lost" and "deep at the end" in says for kind, says in found)
+
+
+def test_a_heavy_vehicle_whose_late_depth_made_up_fixes_contradict_is_lifted() -> None:
+    """As flight 1205 of seed 1212: no turn of full thrust was ever seen to lift it."""
+    plan = stage("heavy_and_wandering", 0)
+    faults = [FaultEvent("heavy", 42.2, 1e6, 41.3), FaultEvent("deaf_to_w", 42.2, 1e6)]
+    faults += [FaultEvent("gps_wanders", 4.7, 1e6), FaultEvent("depth_late", 43.9, 1e6, 9.0)]
+    sea = replace(plan.settings.sea, current=(0.41, 0.52))
+    settings = replace(plan.settings, sea=sea, faults=tuple(faults))
+    acts = Drawn("x", 0.0, (Disturbance(42.2, Act.SAY, b"@ZAX0$"),))
+    plan = replace(plan, profile="documented", settings=settings, incidents=(acts,))
+    assert judged(plan) == set()
+    with broken("blind thrust"):
+        assert any(kind == "lost" for kind, _ in judged(plan))
+
+
+def test_another_mission_that_was_sent_whole_is_judged_by_its_own_limits() -> None:
+    """As flight 3629 of seed 1212: it dived to 12 m, where the first one allows 5 m."""
+    plan = stage("shallow_depth", 0)
+    other = script(mission_of("deep"))
+    lines = [encode(MissionLine(len(other), i, line)) for i, line in enumerate(other, 1)]
+    sent = tuple(Disturbance(3.0 + 0.05 * i, Act.SAY, line) for i, line in enumerate(lines))
+    plan = replace(plan, incidents=(Drawn("second", 0.0, sent),))
+    assert judged(plan) == set()
 
 
 def test_what_sinks_behind_a_restart_that_knew_no_depth_is_left_and_otherwise_brought_up() -> None:

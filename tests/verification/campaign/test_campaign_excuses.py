@@ -194,7 +194,7 @@ def test_a_calm_flight_is_told_by_its_seed_and_has_no_fault():
 )  # fmt: skip
 def test_a_limit_that_acts_or_an_else_in_a_calm_flight_is_a_false_alarm(trigger, state, alarmed):
     step = Step(9.0, "", (), (), (state,), (), trigger, None)
-    trial = Trace((step,), (), (0.0, 0.0), None, state, "", None, "", False)  # type: ignore[arg-type]
+    trial = Trace((step,), (), (0.0, 0.0), None, state, "", None, "", False, None)  # type: ignore[arg-type]
     assert len(list(alarms(trial, flown("auv")))) == alarmed
 
 
@@ -209,5 +209,5 @@ def test_the_else_of_a_leg_without_an_echo_is_a_false_alarm_where_the_altimeter_
     seen = Evaluation("autonomous/a:else", True, (("elapsed", 5.0), ("altitude", None)))
     step = Step(9.0, "telemetry", (seen,), (), ("autonomous/b",), (), "autonomous/a:else", None)
     events = (*reports, step)
-    trial = Trace(events, (), (0.0, 0.0), None, "", "", None, "", False)  # type: ignore[arg-type]
+    trial = Trace(events, (), (0.0, 0.0), None, "", "", None, "", False, None)  # type: ignore[arg-type]
     assert len(list(alarms(trial, flown("auv")))) == alarmed
