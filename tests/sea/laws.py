@@ -88,6 +88,19 @@ def never_deeper(limit: float) -> Law:
     return law
 
 
+def held_deep(depth: float, since: str, until: str) -> Law:
+    """Between two marks it stays deeper than this: nothing has ended the mission."""
+
+    def law(world: World) -> str:
+        begin, end = world.marks.get(since, 1e9), world.marks.get(until, 1e9)
+        high = [s for s in world.samples if begin <= s.at <= end and s.depth < depth]
+        return (
+            f"{high[0].depth:.1f} m deep {high[0].at - begin:.0f} s after {since}" if high else ""
+        )
+
+    return law
+
+
 def upward_within(seconds: float, mark: str = "due") -> Law:
     """An upward word leaves within this time of a mark."""
 

@@ -194,8 +194,6 @@ class Sluggish(Board):
             if len(self.words) > count:
                 self.deaf_until = now + 0.5
 
-    deaf_until = 0.0
-
 
 def sluggish(world: World) -> Steps:
     """From W on, the board is deaf for 0.5 s behind each word, and is 4 N too heavy."""

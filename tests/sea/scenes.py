@@ -2,7 +2,23 @@
 
 from __future__ import annotations
 
-from tests.sea import ascents, boards, mixtures, nuisances, people, senses, trials, wrecks
+from tests.sea import (
+    ascents,
+    boards,
+    channels,
+    doubts,
+    habits,
+    mixtures,
+    nuisances,
+    people,
+    promises,
+    relapses,
+    ruins,
+    senses,
+    slaves,
+    trials,
+    wrecks,
+)
 from tests.sea.scene import Scene
 
 SCENES: tuple[Scene, ...] = (
@@ -14,4 +30,11 @@ SCENES: tuple[Scene, ...] = (
     *wrecks.SCENES,
     *nuisances.SCENES,
     *mixtures.SCENES,
+    *doubts.SCENES,
+    *relapses.SCENES,
+    *ruins.SCENES,
+    *channels.SCENES,
+    *slaves.SCENES,
+    *promises.SCENES,
+    *habits.SCENES,
 )

@@ -101,8 +101,8 @@ def clear_under_water(world: World) -> Steps:
     yield from world.wait(250)
 
 
-def flickering_voltage(world: World) -> Steps:
-    """The control battery swings about its limit of 22 V, most of the time below it."""
+def own_voltage(world: World) -> Steps:
+    """A vehicle whose batteries are measured, with a limit of 22 V."""
     world.board.senses.control = lambda _now, _truth: 25.0
     yield from own_vehicle(
         world,
@@ -111,6 +111,11 @@ def flickering_voltage(world: World) -> Steps:
             "voltage: 10 V": "voltage: 22 V",
         },
     )
+
+
+def flickering_voltage(world: World) -> Steps:
+    """The control battery swings about its limit of 22 V, most of the time below it."""
+    yield from own_voltage(world)
     yield from dive(world)
     world.board.senses.control = faults.flicker(20.4, 1.3, world.seed)
     yield from world.wait(1)
