@@ -16,6 +16,7 @@ from tests.sea import (
     ruins,
     senses,
     slaves,
+    storms,
     trials,
     wrecks,
 )
@@ -35,6 +36,7 @@ SCENES: tuple[Scene, ...] = (
     *ruins.SCENES,
     *channels.SCENES,
     *slaves.SCENES,
+    *storms.SCENES,
     *promises.SCENES,
     *habits.SCENES,
 )

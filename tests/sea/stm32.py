@@ -74,6 +74,7 @@ class Board:
     yes_until: float = 0.0  # s: until then it answers Y and goes on as it was
     period: float = PERIOD  # s between reports
     deaf_until: float = 0.0  # s: until then it hears nothing
+    shown: Gears | None = None  # what reports show of the thrusters instead of the truth
     lag: float = 0.0  # s between a word and what it does; the acknowledgement does not wait
     words: list[Word] = field(default_factory=list)
     gears: Gears = field(default_factory=Gears)
@@ -309,7 +310,7 @@ class Board:
             self._altitude(now),
             *[draw.gauss(30, 0.5) for _ in range(9)],
         ]
-        gears = self.gears
+        gears = self.shown or self.gears
         front_left, front_right, rear = gears.up
         pulses = [pwm(g) for g in (gears.left, gears.right, rear, front_left, front_right)]
         pulses += [round(1500 + 10 * angle) for angle in gears.rudder]
