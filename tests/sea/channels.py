@@ -1,7 +1,4 @@
-"""Scenes of who speaks and what arrives: sliders, sticks, copies, echoes, noise, several at a time.
-
-Issue 12, part A, items 2, 8, 14, 15 and 19.
-"""
+"""Scenes of who speaks and what arrives: sliders, sticks, copies, echoes, noise, several at a time."""
 
 from __future__ import annotations
 
@@ -87,7 +84,7 @@ def w_again_and_again(buoyancy: float) -> Script:
         order(world, "@ZAWF$")
         world.body.buoyancy = buoyancy
         world.spawn(boat(world).repeat("@ZAWF$", 0.5, until=world.now + 60))
-        yield from world.wait(210)
+        yield from world.held(210)
 
     return script
 

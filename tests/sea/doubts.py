@@ -1,7 +1,4 @@
-"""Scenes of what can be believed: depths, attitudes and fixes that lie two at a time, and what follows.
-
-Issue 12, part A, items 5 to 8, 18 and 20, with restarts, trims and operators beside them.
-"""
+"""Scenes of what can be believed: depths, attitudes and fixes that lie two at a time, and what follows."""
 
 from __future__ import annotations
 
@@ -52,7 +49,7 @@ def clogged_on_the_way_up(world: World) -> Steps:
     world.board.senses.depth = faults.clogged(4.0, world.seed)
     yield from world.wait(60)
     world.board.senses.depth = faults.honest
-    yield from world.wait(200)
+    yield from world.held(200)
 
 
 def clogged_for_a_while(world: World) -> Steps:
@@ -83,7 +80,7 @@ def scaled(world: World) -> Steps:
     yield from dive(world)
     world.body.buoyancy = -4.0
     order(world, "@ZAWF$")
-    yield from world.wait(260)
+    yield from world.held(260)
 
 
 def noisy(world: World) -> Steps:
@@ -99,7 +96,7 @@ def late_and_heavy(world: World) -> Steps:
     world.board.senses.depth = faults.slow(6.0)
     order(world, "@ZAWF$")
     world.body.buoyancy = -5.0
-    yield from world.wait(220)
+    yield from world.held(220)
 
 
 def dead_and_gappy(world: World) -> Steps:
@@ -109,7 +106,7 @@ def dead_and_gappy(world: World) -> Steps:
     world.body.buoyancy = -8.0
     world.spawn(gaps(world))
     world.mark("due")
-    yield from world.wait(300)
+    yield from world.held(300)
 
 
 def offset_and_wandering(world: World) -> Steps:
@@ -126,7 +123,7 @@ def negative_zero(world: World) -> Steps:
     yield from dive(world)
     order(world, "@ZAX0$")
     world.body.buoyancy = -5.0
-    yield from world.wait(250)
+    yield from world.held(250)
 
 
 def over_under_the_stick(world: World) -> Steps:
@@ -188,7 +185,7 @@ def over_neutral(world: World) -> Steps:
     world.body.turn_over()
     world.body.buoyancy = 0.5
     world.mark("due")
-    yield from world.wait(500)
+    yield from world.held(500)
 
 
 def over_term(world: World) -> Steps:
@@ -243,7 +240,7 @@ def insists(world: World) -> Steps:
     world.body.buoyancy = 0.3
     order(world, "@ZAWF$")
     world.spawn(boat(world).repeat(lambda n: ("@AC$", "@AA$")[n % 2], 0.25))
-    yield from world.wait(200)
+    yield from world.held(200)
 
 
 def closed_and_opened(buoyancy: float) -> Script:
@@ -260,7 +257,7 @@ def closed_and_opened(buoyancy: float) -> Script:
         world.mark("due")
         letter = yield from boat(world).ask("@AA$", "AA")
         world.notes.append(f"again={letter}")
-        yield from world.wait(220 if buoyancy < 0 else 60)
+        yield from world.held(220 if buoyancy < 0 else 60)
 
     return script
 

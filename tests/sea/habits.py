@@ -1,7 +1,4 @@
-"""Scenes of lines and boards with habits: they echo, double, answer late or not at all, hear nothing for a while.
-
-Issue 12, part A, items 1, 2 and 16.
-"""
+"""Scenes of lines and boards with habits: they echo, double, answer late or not at all, hear nothing for a while."""
 
 from __future__ import annotations
 
@@ -73,7 +70,7 @@ def under(heavy: float | None = None) -> Script:
             return
         order(world, "@ZAWF$")
         world.body.buoyancy = heavy
-        yield from world.wait(210)
+        yield from world.held(210)
 
     return script
 
@@ -109,7 +106,7 @@ def swell_heavy(world: World) -> Steps:
     world.body.buoyancy = -6.0
     yield from world.until(lambda: world.body.depth < 3.0, 120)
     world.board.senses.depth = lambda now, truth: truth + 0.6 * math.sin(now / 1.1)
-    yield from world.wait(250)
+    yield from world.held(250)
 
 
 def nothing_but_garbage(world: World) -> Steps:
@@ -128,7 +125,7 @@ def unanswered(world: World) -> Steps:
     world.board.lost_until = world.now + 60
     order(world, "@ZAX0$")
     world.body.buoyancy = -4.0
-    yield from world.wait(240)
+    yield from world.held(240)
 
 
 def deaf_at_w(seconds: float, buoyancy: float) -> Script:
@@ -140,7 +137,7 @@ def deaf_at_w(seconds: float, buoyancy: float) -> Script:
         world.board.deaf_until = world.now + seconds
         yield from world.wait(seconds)
         world.body.buoyancy = buoyancy
-        yield from (world.wait(200) if buoyancy < 0 else world.rest(200))
+        yield from (world.held(200) if buoyancy < 0 else world.rest(200))
 
     return script
 

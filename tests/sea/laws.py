@@ -21,7 +21,7 @@ Law = Callable[[World], str]
 UPWARD = re.compile(r"@ZA(WF|U(?:[1-9]|1[0-2]))\$")
 TURNING = re.compile(r"@(ZA(WF|[UDFBLR](?:[1-9]|1[0-2])\$|[SE][1-9])|M)")
 SURFACE = 1.0  # m of true depth that count as home
-HELD = 3.0  # m, the same for a body that is heavier than water (issue: "deeper than 3 m")
+HELD = 3.0  # m, the same for a body that is heavier than water
 MARGIN = 6.0  # m beyond the mission's depth limit that detection may cost
 
 

@@ -1,7 +1,4 @@
-"""Scenes of boards and lines that are a nuisance: deaf, forgetful, noisy, away; and of who floods them.
-
-Issue 12, part A, items 1, 2, 14, 16 and 19, and two or three of them together.
-"""
+"""Scenes of boards and lines that are a nuisance: deaf, forgetful, noisy, away; and of who floods them."""
 
 from __future__ import annotations
 

@@ -1,7 +1,5 @@
 """Scenes of what is promised before a dive and measured in it: bounds of the check, the float test, keys,
 texts of any size.
-
-Issue 12, part A, items 9 to 12.
 """
 
 from __future__ import annotations

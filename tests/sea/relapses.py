@@ -1,7 +1,4 @@
-"""Scenes in which it comes back: vehicles that sink again from rest, ends in hold-ups, starts in ruins.
-
-Issue 12, part A, items 1, 3, 4, 13 and 21, and two or three of them together.
-"""
+"""Scenes in which it comes back: vehicles that sink again from rest, ends in hold-ups, starts in ruins."""
 
 from __future__ import annotations
 
@@ -47,7 +44,7 @@ def heavy_later(world: World) -> Steps:
     world.mark("due")
     world.body.buoyancy = -6.0
     world.board.deaf_until = world.now + 6
-    yield from world.wait(210)
+    yield from world.held(210)
 
 
 def dives_waiting(world: World) -> Steps:
@@ -66,14 +63,14 @@ def let_go_of_the_held_up(world: World) -> Steps:
     boat(world).send("@ZAX0$")
     yield from world.until(lambda: world.body.depth > 2.3, 60)
     world.mark("deep")
-    yield from world.wait(250)
+    yield from world.held(250)
 
 
 def term_and_start(world: World) -> Steps:
     """systemctl restart, of a vehicle that is held up."""
     yield from held_up_after_w(world)
     world.pi.signal(signal.SIGTERM)
-    yield from world.wait(240)
+    yield from world.wait(130)
 
 
 def power_in_hold_up(world: World) -> Steps:
@@ -104,7 +101,7 @@ def term_after_x(world: World) -> Steps:
     world.body.buoyancy = -4.0
     yield from world.wait(3)
     world.pi.systemctl_stop()
-    yield from world.wait(270)
+    yield from world.held(270)
 
 
 def term_without(what: str) -> Script:
@@ -131,7 +128,7 @@ def term_deaf(world: World) -> Steps:
     world.pi.systemctl_stop()
     yield from world.wait(20)
     world.body.buoyancy = -3.0
-    yield from world.wait(240)
+    yield from world.held(240)
 
 
 def interrupted(world: World) -> Steps:
@@ -153,7 +150,7 @@ def port_late(world: World) -> Steps:
     world.body.buoyancy = -4.0
     world.line.come_back()
     world.mark("due")
-    yield from world.wait(210)
+    yield from world.held(210)
 
 
 def both_ports(world: World) -> Steps:
@@ -189,7 +186,7 @@ def wakes_possessed(obeys: str) -> Script:
         world.mark("due")
         world.pi.signal(signal.SIGKILL)
         world.board.will = Will(obeys=frozenset(obeys), times=3, again=40)
-        yield from world.wait(260)
+        yield from world.wait(220)
 
     return script
 
@@ -212,7 +209,7 @@ def garbage_in_hold_up(world: World) -> Steps:
     world.board.senses.depth = faults.garbage(world.seed)
     yield from world.wait(30)
     world.board.senses.depth = faults.honest
-    yield from world.wait(200)
+    yield from world.held(200)
 
 
 DEAF_LIFTED: tuple[Law, ...] = (

@@ -1,7 +1,5 @@
 """Scenes of starts in ruins: two or three things broken at once, numbers that no vehicle has, a card that is
 read-only; with bodies that are too heavy, and operators who go on as if nothing were.
-
-Issue 12, part A, items 4 and 21.
 """
 
 from __future__ import annotations
@@ -30,7 +28,7 @@ def ruined(*what: str, buoyancy: float = 8.0) -> Script:
         world.pi.signal(signal.SIGKILL)
         for row in what:
             ruin(world, row)
-        yield from (world.wait(210) if buoyancy < 0 else world.rest(200))
+        yield from (world.held(210) if buoyancy < 0 else world.rest(200))
 
     return script
 
@@ -85,7 +83,7 @@ def read_only(how: str) -> Script:
         for path in [path for path in store.rglob("*") if path.is_file()]:
             path.with_name(path.name + ".tmp").write_bytes(path.read_bytes()[:7])
         world.pi.power_cut()
-        yield from world.wait(210)
+        yield from world.held(210)
 
     return script
 

@@ -1,4 +1,4 @@
-"""All scenes, by part of the issue they are about."""
+"""All scenes."""
 
 from __future__ import annotations
 

@@ -1,7 +1,4 @@
-"""Scenes of what is believed: depths, attitude, fixes; and what the surface is needed for.
-
-Issue 12, part A, items 5 to 8, 18 and 20.
-"""
+"""Scenes of what is believed: depths, attitude, fixes; and what the surface is needed for."""
 
 from __future__ import annotations
 

@@ -1,7 +1,5 @@
 """More scenes with the boards of documents 002 to 004: deaf for seconds, upside down, flickering under floods,
 slow lines, ends and ruins, and what the operator is told of boards that acknowledge nothing.
-
-Issue 12, part A, items 1 to 6 and 16 to 19.
 """
 
 from __future__ import annotations
@@ -66,7 +64,7 @@ def deaf_for(text: str, frame: str, buoyancy: float) -> Script:
         world.board.deaf_after, world.board.hears_again = world.now, world.now + 7
         order(world, frame)
         world.body.buoyancy = buoyancy
-        yield from (world.wait(210) if buoyancy < 0 else world.rest(220))
+        yield from (world.held(210) if buoyancy < 0 else world.rest(220))
 
     return script
 
@@ -142,7 +140,7 @@ def ends(text: str, how: str, buoyancy: float) -> Script:
         else:
             ruin(world, "config broken")
             world.pi.signal(signal.SIGKILL)
-        yield from (world.wait(220) if buoyancy < 0 else world.rest(220))
+        yield from (world.held(220) if buoyancy < 0 else world.rest(220))
 
     return script
 
@@ -160,7 +158,7 @@ def possessed(text: str) -> Script:
         world.board.senses.depth = faults.clogged(told_last, world.seed)
         yield from world.wait(30)
         world.board.senses.depth = faults.honest
-        yield from world.wait(250)
+        yield from world.held(250)
 
     return script
 

@@ -1,7 +1,5 @@
 """Scenes of storms: crash after crash, reports that lie about thrusters, lines that garble both ways, boards that
 refuse; limits that are tightened under way.
-
-Issue 12, part A, items 1 to 3, 8, 13, 14 and 16.
 """
 
 from __future__ import annotations
@@ -58,7 +56,7 @@ def stopped_cut(world: World) -> Steps:
     world.mark("due")
     world.board.restart()
     world.pi.power_cut()
-    yield from world.wait(220)
+    yield from world.held(220)
 
 
 def stick_killed(world: World) -> Steps:
@@ -92,7 +90,7 @@ def shows(word: str, gears: Gears, buoyancy: float) -> Script:
         world.board.shown = gears
         order(world, word)
         world.body.buoyancy = buoyancy
-        yield from (world.wait(210) if buoyancy < 0 else world.rest(200))
+        yield from (world.held(210) if buoyancy < 0 else world.rest(200))
 
     return script
 
@@ -128,7 +126,7 @@ def refuses(word: str, buoyancy: float) -> Script:
         order(world, word)
         yield from world.wait(30)
         world.body.buoyancy = buoyancy
-        yield from (world.wait(200) if buoyancy < 0 else world.rest(200))
+        yield from (world.held(200) if buoyancy < 0 else world.rest(200))
 
     return script
 
@@ -142,7 +140,7 @@ def garbled(noise: float, buoyancy: float) -> Script:
         yield from world.wait(10)
         order(world, "@ZAWF$")
         world.body.buoyancy = buoyancy
-        yield from (world.wait(220) if buoyancy < 0 else world.rest(200))
+        yield from (world.held(220) if buoyancy < 0 else world.rest(200))
 
     return script
 
@@ -186,7 +184,7 @@ def possessed_heavy_killed(world: World) -> Steps:
     world.board.will = Will(obeys=frozenset("U"), times=2, again=60)
     yield from world.wait(6)
     world.pi.signal(signal.SIGKILL)
-    yield from world.wait(280)
+    yield from world.wait(200)
 
 
 def all_at_once(world: World) -> Steps:
@@ -202,7 +200,7 @@ def all_at_once(world: World) -> Steps:
     yield from world.wait(10)
     world.board.senses.depth = faults.honest
     world.pi.systemctl_stop()
-    yield from world.wait(230)
+    yield from world.held(230)
 
 
 STUCK = Gears(left=6.0, up=(-4.0, -4.0, -4.0))

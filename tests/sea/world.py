@@ -152,6 +152,14 @@ class World:
                 since = self.now
             yield
 
+    def held(self, seconds: float, steady: float = 50.0) -> Iterator[None]:
+        """Let time pass; less, once it has been less than 1 m deep for `steady` s, whatever turns."""
+        until, since = self.now + seconds, self.now
+        while self.now < until and self.now - since < steady:
+            if self.body.depth > 1.0:
+                since = self.now
+            yield
+
     def command(self, *words: str, to: str = "") -> Iterator[None]:
         """An operator's `auvmission` command, to its end; its code and text are noted."""
         process = subprocess.Popen(
