@@ -292,10 +292,12 @@ class Core(EngineState):
         report = self.vehicle_state.telemetry
         if not kind or report is None:
             return
-        surfaced = self.active == SURFACED
-        self.rest.take(report.t, self.vehicle_state.depth, DEEP_AGAIN if surfaced else DEEP)
+        state, surfaced = self.vehicle_state, self.active == SURFACED
+        self.rest.take(report.t, state.depth, DEEP_AGAIN if surfaced else DEEP)
+        unsure = state.depth is None and not state.receiver.settled(report.t)
+        self.rest.follow(report.t, state.moving_depth if unsure else None)
         why = self.rest.stays_down() if kind == "stopped" else self.rest.sinks
-        if why and self.auto:
+        if (why := why or self.rest.goes_down) and self.auto:
             self.surface("limit", why, By.LIMIT)
 
     def take_stick(self) -> None:
