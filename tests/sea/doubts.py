@@ -52,6 +52,18 @@ def clogged_on_the_way_up(world: World) -> Steps:
     yield from world.held(200)
 
 
+def clogged_at_the_surface(world: World) -> Steps:
+    """W, 6 N too heavy; at the surface the port closes for 35 s: let go, it sinks, and says 0.1 m."""
+    yield from dive(world)
+    order(world, "@ZAWF$")
+    world.body.buoyancy = -6.0
+    yield from world.until(lambda: world.body.depth < 0.3, 120)
+    world.board.senses.depth = faults.clogged(0.1, world.seed)
+    yield from world.wait(35)
+    world.board.senses.depth = faults.honest
+    yield from world.wait(200)
+
+
 def clogged_for_a_while(world: World) -> Steps:
     """Asked for 8 m; the port closes at 6 m, for 45 s, and is free again."""
     yield from go(world, mission(8, 10))
@@ -249,10 +261,10 @@ def closed_and_opened(buoyancy: float) -> Script:
     def script(world: World) -> Steps:
         yield from dive(world)
         world.body.buoyancy = buoyancy
-        letter = yield from boat(world).ask("@NSOOOOCC$", "NS", 8)
+        letter = yield from boat(world).ask("@NSOOOCCC$", "NS", 8)
         world.notes.append(f"closed={letter}")
         yield from world.wait(18)
-        letter = yield from boat(world).ask("@NSOOOOCO$", "NS", 8)
+        letter = yield from boat(world).ask("@NSOOOCCO$", "NS", 8)
         world.notes.append(f"opened={letter}")
         world.mark("due")
         letter = yield from boat(world).ask("@AA$", "AA")
@@ -284,6 +296,12 @@ SCENES: tuple[Scene, ...] = (
         "clogged-on-the-way-up-heavy",
         "thrust upward is kept, and a reading that moves again is believed",
         clogged_on_the_way_up,
+        LIFTED,
+    ),
+    Scene(
+        "clogged-at-the-surface-heavy",
+        "what leaps and then goes down as a body does, sinks",
+        clogged_at_the_surface,
         LIFTED,
     ),
     Scene("clogged-for-a-while", "what moves again is believed", clogged_for_a_while, BACK),

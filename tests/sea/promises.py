@@ -219,7 +219,7 @@ SCENES: tuple[Scene, ...] = (
         "bounds-without-depth",
         "each leg has its clock",
         without_flag("depth"),
-        (reached(), home(1), within_the_bounds(), lives()),
+        (reached(), home(1, off=False), within_the_bounds(), lives()),
         body={"current": (0.1, 0.1)},
     ),
     Scene(
