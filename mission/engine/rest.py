@@ -6,8 +6,8 @@
     stopped         over 2 m, and not 0.5 m less deep than 20 s before: X is also given for a diver,
                     who is left to the buoyancy first
 
-    anywhere        2 m deeper than it has been, by a depth whose zero alone is contradicted and which
-                    moves as the vehicle does: it leapt, and goes down
+    anywhere        2 m deeper than it has been, by a depth whose zero alone is contradicted and
+                    which moves as the vehicle does: it leapt, and goes down
 
 An unknown depth says nothing: somebody may have the vehicle on deck. A depth that jumps farther
 than a body sinks begins anew.
@@ -90,8 +90,8 @@ class Rest:
             self._sunk_at = t
 
     def follow(self, t: float, depth: float | None) -> None:
-        """One report of a depth that is not believed and moves as the vehicle does; None where there
-        is none: then it begins anew."""
+        """One report of a depth that is not believed and moves as the vehicle does; None where
+        there is none: then it begins anew."""
         before = self._doubted
         if depth is None or before is None or t - before[0] > _LONGEST:
             self._doubted, self._highest = None if depth is None else (t, depth), math.inf

@@ -9,7 +9,7 @@ from engine_world import M, W, World, X, leg, mission
 
 from mission.engine.rest import Rest
 from mission.model import IDLE_READY, MANUAL_WAITING, STOPPED, SURFACED, SURFACING
-from protocol.messages import UPWARD, Order
+from protocol.messages import UPWARD
 
 MISSION = mission(leg("a", timeout=600.0))
 TO = {IDLE_READY: (), SURFACED: (W,), STOPPED: (X,), MANUAL_WAITING: (M,)}
