@@ -66,7 +66,7 @@ class Ascent:
             "_start_depth",
             "_ways",
         ),
-        *("_turn", "_why", "began", "way"),
+        *("_turn", "began", "way", "why"),
     )
 
     def __init__(
@@ -79,7 +79,7 @@ class Ascent:
         overturned: bool = False,
         upward: bool = False,
     ) -> None:
-        self.began, self._why, self._ways = now, why, ways
+        self.began, self.why, self._ways = now, why, ways
         self._turn = self._longest = TURN
         self._downward: tuple[Way, ...] = ()  # that led deeper, upside down
         self._dark, self._let_go = False, 0  # neither depth nor attitude; times let go so
@@ -102,7 +102,7 @@ class Ascent:
         return self.way is Order.SURFACE or self.way == UPWARD
 
     def first(self) -> tuple[Action, ...]:
-        return (Action(self.way, self._why),)
+        return (Action(self.way, self.why),)
 
     def hear(self, now: float) -> None:
         """An operator has said W: the next way, due at once, would take its place on the line."""
@@ -127,7 +127,7 @@ class Ascent:
             self._lengthen()
             return ()
         seen = "is not known" if fallen is None else f"is {depth:.1f} m, no less"
-        why = f"{self._why}: after {now - self._since:.3g} s the depth {seen}"
+        why = f"{self.why}: after {now - self._since:.3g} s the depth {seen}"
         if self._kept and not overturned:
             why = f"{why}: said again, since it was"
             self._begin_turn(now, depth)

@@ -200,11 +200,15 @@ class Core(EngineState):
             self._record(self._stop(f"{self.reason}: {seen} after it was stopped"))
 
     def doubt_line(self) -> None:
-        """Sends again, after the line to the vehicle was away, a stop that was acknowledged or the
-        leg's set: another board may have acknowledged it. Words of the stick are sent all the time
-        anyway."""
+        """Sends again, after the line to the vehicle was away, a stop that was acknowledged, the
+        leg's set, or an ascent's way: another board may have acknowledged it, or nobody heard it.
+        Words of the stick are sent all the time anyway."""
         self.outputs.doubt()
-        if self._rests and self.stopped_at is not None:
+        run = self.flying
+        ascent = run.ascent if run is not None and run.climbing else self.ascent
+        if ascent is not None:
+            self._record((Action(ascent.way, f"{ascent.why}: the line to the vehicle was away"),))
+        elif self._rests and self.stopped_at is not None:
             self._record(self._stop(f"{self.reason}: the line to the vehicle was away"))
         else:
             self.repeat_set("the line to the vehicle was away: the whole set again")
@@ -292,10 +296,12 @@ class Core(EngineState):
         report = self.vehicle_state.telemetry
         if not kind or report is None:
             return
-        surfaced = self.active == SURFACED
-        self.rest.take(report.t, self.vehicle_state.depth, DEEP_AGAIN if surfaced else DEEP)
+        state, surfaced = self.vehicle_state, self.active == SURFACED
+        self.rest.take(report.t, state.depth, DEEP_AGAIN if surfaced else DEEP)
+        unsure = state.depth is None and not state.receiver.settled(report.t)
+        self.rest.follow(report.t, state.moving_depth if unsure else None)
         why = self.rest.stays_down() if kind == "stopped" else self.rest.sinks
-        if why and self.auto:
+        if (why := why or self.rest.goes_down) and self.auto:
             self.surface("limit", why, By.LIMIT)
 
     def take_stick(self) -> None:

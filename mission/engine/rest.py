@@ -6,6 +6,9 @@
     stopped         over 2 m, and not 0.5 m less deep than 20 s before: X is also given for a diver,
                     who is left to the buoyancy first
 
+    anywhere        2 m deeper than it has been, by a depth whose zero alone is contradicted and
+                    which moves as the vehicle does: it leapt, and goes down
+
 An unknown depth says nothing: somebody may have the vehicle on deck. A depth that jumps farther
 than a body sinks begins anew.
 
@@ -36,8 +39,10 @@ class Rest:
 
     __slots__ = (
         "_depth",
+        "_doubted",
         "_fastest",
         "_from",
+        "_highest",
         "_shallowest",
         "_since",
         "_smooth",
@@ -60,6 +65,8 @@ class Rest:
         self._depth = self._smooth = self._from = math.nan
         self._shallowest = shallowest
         self._sunk_at: float | None = None
+        self._doubted: tuple[float, float] | None = None  # s, m: a depth whose zero is unknown
+        self._highest = math.inf  # m, the least that was
 
     def take(self, t: float, depth: float | None, deep: float = DEEP) -> None:
         """One report; ``depth`` None where it is not believed. It may sink as far as ``deep``."""
@@ -81,6 +88,26 @@ class Rest:
             self._sunk_at = None
         elif self._sunk_at is None:
             self._sunk_at = t
+
+    def follow(self, t: float, depth: float | None) -> None:
+        """One report of a depth that is not believed and moves as the vehicle does; None where
+        there is none: then it begins anew."""
+        before = self._doubted
+        if depth is None or before is None or t - before[0] > _LONGEST:
+            self._doubted, self._highest = None if depth is None else (t, depth), math.inf
+        else:
+            smooth = before[1] + (depth - before[1]) * min((t - before[0]) / _SMOOTH, 1.0)
+            self._doubted = t, smooth
+        if self._doubted is not None:
+            self._highest = min(self._highest, self._doubted[1])
+
+    @property
+    def goes_down(self) -> str:
+        """Why it is taken to sink by a depth that is not believed, in words; "" if it is not."""
+        sunk = 0.0 if self._doubted is None else self._doubted[1] - self._highest
+        if sunk < DEEP:
+            return ""
+        return f"it sinks though everything is stopped, by {sunk:.1f} m of a depth that is off"
 
     @property
     def sinks(self) -> str:

@@ -573,6 +573,20 @@ def test_behind_a_line_that_was_away_a_leg_says_its_whole_set_again() -> None:
     assert all("the line to the vehicle was away" in tx.reason for tx in again)
 
 
+def test_behind_a_line_that_was_away_an_ascent_says_its_way_again() -> None:
+    """At once, and its turn ends when it would have ended."""
+    boat = Boat()
+    boat.until(4.0)
+    boat.say(b"@ZAWF$")
+    boat.until(8.0)
+    assert boat.runtime.state == "emergency/surfacing"
+    before = boat.to_vehicle()
+    boat.leave(boat.runtime.connected("vehicle", "", 8.0))
+    assert boat.to_vehicle()[len(before) :] == [b"@ZAWF$"]
+    assert "the line to the vehicle was away" in boat.sent[-1].reason
+    assert replay(boat.recorder.records).identical
+
+
 def test_the_stick_is_not_disturbed_by_a_line_that_was_away() -> None:
     boat = Boat()
     boat.until(4.0)

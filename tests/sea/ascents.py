@@ -1,7 +1,4 @@
-"""Scenes of ascents: boards with a will of their own, trim, sliders, orderly and broken ends.
-
-Issue 12, part A, items 1 to 4.
-"""
+"""Scenes of ascents: boards with a will of their own, trim, sliders, orderly and broken ends."""
 
 from __future__ import annotations
 

@@ -25,7 +25,7 @@ Steps = Iterator[None]
 CORE = """
     mission core vehicle coreboard
     home 30.2874595 120.1535765
-    safety radius 500 time 30min depth 10
+    safety radius 700 time 30min depth 10
     down: depth 6 heading 90 gear 4 until depth >= 5.4 held 4s timeout 4min
     stay: gear 4 for {stay}
     up: surface until fix timeout 5min

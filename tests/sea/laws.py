@@ -21,7 +21,7 @@ Law = Callable[[World], str]
 UPWARD = re.compile(r"@ZA(WF|U(?:[1-9]|1[0-2]))\$")
 TURNING = re.compile(r"@(ZA(WF|[UDFBLR](?:[1-9]|1[0-2])\$|[SE][1-9])|M)")
 SURFACE = 1.0  # m of true depth that count as home
-HELD = 3.0  # m, the same for a body that is heavier than water (issue: "deeper than 3 m")
+HELD = 3.0  # m, the same for a body that is heavier than water
 MARGIN = 6.0  # m beyond the mission's depth limit that detection may cost
 
 
@@ -84,6 +84,19 @@ def never_deeper(limit: float) -> Law:
     def law(world: World) -> str:
         worst = max(sample.depth for sample in world.samples)
         return f"{worst:.1f} m deep, {limit:.0f} m allowed" if worst > limit else ""
+
+    return law
+
+
+def held_deep(depth: float, since: str, until: str) -> Law:
+    """Between two marks it stays deeper than this: nothing has ended the mission."""
+
+    def law(world: World) -> str:
+        begin, end = world.marks.get(since, 1e9), world.marks.get(until, 1e9)
+        high = [s for s in world.samples if begin <= s.at <= end and s.depth < depth]
+        return (
+            f"{high[0].depth:.1f} m deep {high[0].at - begin:.0f} s after {since}" if high else ""
+        )
 
     return law
 

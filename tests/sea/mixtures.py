@@ -1,7 +1,4 @@
-"""Scenes of what is believed and of who commands, two and three troubles at a time; on other boards, too.
-
-Issue 12, part A, items 5 to 8, 15 to 18 and 20.
-"""
+"""Scenes of what is believed and of who commands, two and three troubles at a time; on other boards, too."""
 
 from __future__ import annotations
 

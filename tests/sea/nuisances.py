@@ -1,7 +1,4 @@
-"""Scenes of boards and lines that are a nuisance: deaf, forgetful, noisy, away; and of who floods them.
-
-Issue 12, part A, items 1, 2, 14, 16 and 19, and two or three of them together.
-"""
+"""Scenes of boards and lines that are a nuisance: deaf, forgetful, noisy, away; and of who floods them."""
 
 from __future__ import annotations
 
@@ -193,8 +190,6 @@ class Sluggish(Board):
             super().hear(now, data)
             if len(self.words) > count:
                 self.deaf_until = now + 0.5
-
-    deaf_until = 0.0
 
 
 def sluggish(world: World) -> Steps:

@@ -39,6 +39,7 @@ class Operator:
     heard: bytes = b""
     wrote: bool = False
     waits_until: float = 0.0
+    reads: bool = True  # whether it takes what comes
 
     def __post_init__(self) -> None:
         self.socket: socket.socket | None = None
@@ -87,7 +88,7 @@ class Operator:
 
     def receive(self) -> None:
         """Take what has come."""
-        if self.socket is None:
+        if self.socket is None or not self.reads:
             return
         try:
             data = self.socket.recv(65536)

@@ -45,6 +45,7 @@ class Slave:
     line: Line
     seed: int = 0
     deaf_after: float = float("inf")  # s: it hears nothing any more
+    hears_again: float = float("inf")  # s: but from then on it does
     senses: Senses = field(default_factory=Senses)
     will: Will | None = None
     mute: bool = False  # it reports nothing
@@ -65,7 +66,7 @@ class Slave:
 
     def hear(self, now: float, data: bytes) -> None:
         """Bytes from the program."""
-        if now > self.deaf_after:
+        if self.hangs(now):
             return
         self.buffer += data
         while (at := self.buffer.find(self.HEAD)) >= 0 and len(self.buffer) >= at + self.LENGTH:
@@ -78,6 +79,10 @@ class Slave:
             else:
                 self.buffer = self.buffer[at + 1 :]
         self.buffer = self.buffer[-4 * self.LENGTH :]
+
+    def hangs(self, now: float) -> bool:
+        """Whether it hears nothing, and goes on as it was told last."""
+        return self.deaf_after < now < self.hears_again
 
     def note(self, now: float, text: str) -> None:
         """Put a word on record when it is a new one."""
@@ -102,7 +107,7 @@ class Slave:
 
     def control(self, now: float, dt: float) -> Gears:
         """Gears for the next dt seconds; neutral after a silence, unless the board hangs."""
-        silent = now - self.heard_at > self.SILENCE and now <= self.deaf_after
+        silent = now - self.heard_at > self.SILENCE and not self.hangs(now)
         self.gears = Gears() if silent else self.push()
         if self.will and self.will.rules(now):
             self.gears.up = (self.will.gear,) * 3

@@ -1,7 +1,4 @@
-"""Scenes with several operators, late copies of words, and noise on the modem.
-
-Issue 12, part A, items 14, 15 and 19.
-"""
+"""Scenes with several operators, late copies of words, and noise on the modem."""
 
 from __future__ import annotations
 

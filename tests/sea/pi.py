@@ -42,6 +42,7 @@ class Pi:
     wanted: bool = True  # systemd wants it to run
     without: str = ""  # a module that its next start cannot import
     full: bool = False  # no file grows any more, at later starts neither
+    read_only: bool = False  # later starts can change no file
     booted: float = 0.0  # s, when the Pi was switched on
     before: Callable[[], None] = lambda: None
     _asked: bool = False
@@ -75,6 +76,7 @@ class Pi:
                     **self.clock.environment(),
                     "HOME": str(self.folder),
                     "SEA_WITHOUT": self.without,
+                    "SEA_READ_ONLY": str(self.folder) if self.read_only else "",
                     "SEA_BOOT": str(self.booted),
                 },
                 stdin=subprocess.DEVNULL,

@@ -2,14 +2,15 @@
 
 GGA, RMC and GSA of several talkers. The antenna stays wet for some seconds after it comes up; fixes
 have 1.5 m of noise that wanders, 5 to 11 satellites and a dilution to match. Under water it says
-"no fix", or, where a scene wants it, lies: the last place again (`stuck`), two or three places in turn
-(`alternating`, `cycling`), what it kept of yesterday until it has a fix (`yesterday`), plausible places that wander (`wandering`).
+"no fix", or, where a scene wants it, lies: the last place again (`stuck`), two, three or five places in turn
+(`alternating`, `cycling`, `ring`), what it kept of yesterday until it has a fix (`yesterday`), plausible places that wander (`wandering`).
 """
 
 from __future__ import annotations
 
 import math
 import random
+import re
 from dataclasses import dataclass
 
 from tests.sea.body import Body
@@ -39,8 +40,13 @@ class Receiver:
     body: Body
     line: Line
     seed: int = 0
-    mode: str = "honest"  # honest, silent, stuck, alternating, cycling, yesterday, wandering, dead
+    mode: str = (
+        "honest"  # honest, silent, stuck, alternating, cycling, ring, yesterday, wandering, dead
+    )
     talker: str = "GN"
+    period: float = 1.0  # s between places
+    date: str = "010625"  # of RMC, day month year
+    checked: bool = True  # whether sentences have their checksum
 
     def __post_init__(self) -> None:
         self.random = random.Random(f"receiver {self.seed}")
@@ -59,11 +65,12 @@ class Receiver:
             self.dry_since, self.wet_for = now, self.random.uniform(2, 6)
         if now < self.next or self.mode == "dead":
             return
-        self.next += 1.0
+        self.next += self.period
         place, satellites = self._place(now)
         if place is None and self.mode == "silent":
             return
-        self.line.send(now, self._sentences(now, place, satellites))
+        data = self._sentences(now, place, satellites)
+        self.line.send(now, data if self.checked else re.sub(rb"\*..\r", b"\r", data))
         self.told += 1
 
     def _place(self, now: float) -> tuple[tuple[float, float] | None, int]:
@@ -78,8 +85,9 @@ class Receiver:
             return self.last, 9
         if self.mode == "alternating":
             return (self.last[0] + (1.5 if self.told % 2 else 0.0), self.last[1]), 9
-        if self.mode == "cycling":
-            return (self.last[0] + 1.1 * (self.told % 3), self.last[1] - 0.7 * (self.told % 3)), 9
+        if self.mode in ("cycling", "ring"):
+            step = self.told % (3 if self.mode == "cycling" else 5)
+            return (self.last[0] + 1.1 * step, self.last[1] - 0.7 * step), 9
         if self.mode == "wandering":
             self.last = (self.last[0] + draw.gauss(0, 0.6), self.last[1] + draw.gauss(0, 0.6))
             return self.last, draw.randint(6, 9)
@@ -90,7 +98,7 @@ class Receiver:
         clock = f"{int(second // 3600):02d}{int(second // 60) % 60:02d}{second % 60:05.2f}"
         if place is None:
             empty = sentence(f"{self.talker}GGA,{clock},,,,,0,00,99.9,,M,,M,,")
-            return empty + sentence(f"{self.talker}RMC,{clock},V,,,,,,,010625,,,N")
+            return empty + sentence(f"{self.talker}RMC,{clock},V,,,,,,,{self.date},,,N")
         latitude = HOME[0] + math.degrees(place[0] / EARTH)
         longitude = HOME[1] + math.degrees(place[1] / EARTH) / math.cos(math.radians(HOME[0]))
         where = f"{_angle(latitude, 2)},N,{_angle(longitude, 3)},E"
@@ -100,5 +108,5 @@ class Receiver:
         return (
             sentence(f"{self.talker}GGA,{clock},{where},1,{satellites:02d},{hdop},2.1,M,9.0,M,,")
             + sentence(f"{self.talker}GSA,A,3,{used},{hdop + 0.8:.1f},{hdop},{hdop + 0.4:.1f}")
-            + sentence(f"{self.talker}RMC,{clock},A,{where},{speed:.2f},0.0,010625,,,A")
+            + sentence(f"{self.talker}RMC,{clock},A,{where},{speed:.2f},0.0,{self.date},,,A")
         )

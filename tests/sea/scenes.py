@@ -1,8 +1,25 @@
-"""All scenes, by part of the issue they are about."""
+"""All scenes."""
 
 from __future__ import annotations
 
-from tests.sea import ascents, boards, mixtures, nuisances, people, senses, trials, wrecks
+from tests.sea import (
+    ascents,
+    boards,
+    channels,
+    doubts,
+    habits,
+    mixtures,
+    nuisances,
+    people,
+    promises,
+    relapses,
+    ruins,
+    senses,
+    slaves,
+    storms,
+    trials,
+    wrecks,
+)
 from tests.sea.scene import Scene
 
 SCENES: tuple[Scene, ...] = (
@@ -14,4 +31,12 @@ SCENES: tuple[Scene, ...] = (
     *wrecks.SCENES,
     *nuisances.SCENES,
     *mixtures.SCENES,
+    *doubts.SCENES,
+    *relapses.SCENES,
+    *ruins.SCENES,
+    *channels.SCENES,
+    *slaves.SCENES,
+    *storms.SCENES,
+    *promises.SCENES,
+    *habits.SCENES,
 )

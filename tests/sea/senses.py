@@ -1,7 +1,4 @@
-"""Scenes of what is believed: depths, attitude, fixes; and what the surface is needed for.
-
-Issue 12, part A, items 5 to 8, 18 and 20.
-"""
+"""Scenes of what is believed: depths, attitude, fixes; and what the surface is needed for."""
 
 from __future__ import annotations
 
@@ -101,8 +98,8 @@ def clear_under_water(world: World) -> Steps:
     yield from world.wait(250)
 
 
-def flickering_voltage(world: World) -> Steps:
-    """The control battery swings about its limit of 22 V, most of the time below it."""
+def own_voltage(world: World) -> Steps:
+    """A vehicle whose batteries are measured, with a limit of 22 V."""
     world.board.senses.control = lambda _now, _truth: 25.0
     yield from own_vehicle(
         world,
@@ -111,6 +108,11 @@ def flickering_voltage(world: World) -> Steps:
             "voltage: 10 V": "voltage: 22 V",
         },
     )
+
+
+def flickering_voltage(world: World) -> Steps:
+    """The control battery swings about its limit of 22 V, most of the time below it."""
+    yield from own_voltage(world)
     yield from dive(world)
     world.board.senses.control = faults.flicker(20.4, 1.3, world.seed)
     yield from world.wait(1)

@@ -72,6 +72,9 @@ class Board:
     will: Will | None = None
     mute: bool = False  # it reports nothing
     yes_until: float = 0.0  # s: until then it answers Y and goes on as it was
+    period: float = PERIOD  # s between reports
+    deaf_until: float = 0.0  # s: until then it hears nothing
+    shown: Gears | None = None  # what reports show of the thrusters instead of the truth
     lag: float = 0.0  # s between a word and what it does; the acknowledgement does not wait
     words: list[Word] = field(default_factory=list)
     gears: Gears = field(default_factory=Gears)
@@ -80,7 +83,7 @@ class Board:
         self.random = random.Random(f"board {self.seed}")
         self.mode = "auto"
         self._stop()
-        self.next_report = 1000 + self.random.uniform(0, PERIOD)
+        self.next_report = 1000 + self.random.uniform(0, self.period)
         self.last_m = 0.0
         self.acks: list[tuple[float, bytes]] = []
         self.trim = 0.0
@@ -100,6 +103,8 @@ class Board:
     def hear(self, now: float, data: bytes) -> None:
         """Bytes from the program, as they end."""
         bursts = self.line.bursts(now, data)
+        if now < self.deaf_until:
+            return
         if self.built:
             for burst in bursts:
                 if burst[:1] == b"@" and burst[-1:] == b"$" and len(burst) <= LONGEST:
@@ -281,7 +286,7 @@ class Board:
         due = [ack for at, ack in self.acks if at <= now]
         self.acks = [(at, ack) for at, ack in self.acks if at > now]
         if now >= self.next_report and (self.mode != "manual" or not self.built):
-            self.next_report = now + PERIOD + self.random.uniform(-0.03, 0.03)
+            self.next_report = now + self.period + self.random.uniform(-0.03, 0.03)
             report = b"" if self.mute else self.report(now)
             if (
                 report and self.built and due and self.random.random() < 0.5
@@ -305,7 +310,7 @@ class Board:
             self._altitude(now),
             *[draw.gauss(30, 0.5) for _ in range(9)],
         ]
-        gears = self.gears
+        gears = self.shown or self.gears
         front_left, front_right, rear = gears.up
         pulses = [pwm(g) for g in (gears.left, gears.right, rear, front_left, front_right)]
         pulses += [round(1500 + 10 * angle) for angle in gears.rudder]

@@ -68,6 +68,7 @@ class World:
     marks: dict[str, float] = field(default_factory=dict)
     samples: list[Sample] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
+    bound: tuple[float, float, float] = (0.0, 0.0, 0.0)  # time s, depth m, range m, as was proved
     operators: list[Operator] = field(default_factory=list)
 
     def __post_init__(self) -> None:
@@ -80,6 +81,7 @@ class World:
         self.receiver: Receiver | None = None
         if self.gps:
             self.lines.append(Line(9600))
+            self.lines[-1].link(self.folder / "gps0")
             self.receiver = Receiver(self.body, self.lines[-1], self.seed, self.receiver_mode)
         self.acoustic: ModemOperator | None = None
         if self.modem:
@@ -150,10 +152,18 @@ class World:
                 since = self.now
             yield
 
-    def command(self, *words: str) -> Iterator[None]:
+    def held(self, seconds: float, steady: float = 50.0) -> Iterator[None]:
+        """Let time pass; less, once it has been less than 1 m deep for `steady` s, whatever turns."""
+        until, since = self.now + seconds, self.now
+        while self.now < until and self.now - since < steady:
+            if self.body.depth > 1.0:
+                since = self.now
+            yield
+
+    def command(self, *words: str, to: str = "") -> Iterator[None]:
         """An operator's `auvmission` command, to its end; its code and text are noted."""
         process = subprocess.Popen(
-            [sys.executable, "-m", "mission", *words, "--to", f"tcp://127.0.0.1:{self.port}"],
+            [sys.executable, "-m", "mission", *words, "--to", to or f"tcp://127.0.0.1:{self.port}"],
             cwd=ROOT,
             env={**os.environ, "HOME": str(self.folder)},
             stdin=subprocess.DEVNULL,

@@ -1,7 +1,4 @@
-"""Scenes of the Pi and the board in trouble, several troubles at a time: power, disks, ports, lines.
-
-Issue 12, part A, items 1 to 4, 13, 14 and 19, and two or three of them together.
-"""
+"""Scenes of the Pi and the board in trouble, several troubles at a time: power, disks, ports, lines."""
 
 from __future__ import annotations
 

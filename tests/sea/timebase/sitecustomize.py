@@ -10,6 +10,7 @@ SEA_BOOT says at which of the sea's times the Pi was switched on: `time.monotoni
 The second number of the sea's file moves `time.time` alone: a wall clock that was set, or lost its date.
 
 SEA_WITHOUT names a module whose import shall fail, as on a card with a broken file.
+SEA_READ_ONLY names a folder in which nothing can be changed, as on a medium that was remounted so.
 
 A wait tells the sea "at this time nothing is left to do, wake me at that time", and then really waits:
 for a file descriptor, or for the sea's tick. So the sea's time stands still while the program works,
@@ -18,6 +19,7 @@ and no result depends on the speed of the machine.
 
 from __future__ import annotations
 
+import errno
 import mmap
 import os
 import select
@@ -133,7 +135,25 @@ def install(folder: Path) -> None:
     selectors.EpollSelector.select = choose  # type: ignore[method-assign,assignment]
 
 
+def freeze(folder: str) -> None:
+    """Nothing in this folder can be written, made, renamed or removed (PEP 578; EROFS)."""
+    change = os.O_WRONLY | os.O_RDWR | os.O_CREAT | os.O_TRUNC | os.O_APPEND
+    acts = {"os.rename", "os.remove", "os.mkdir", "os.rmdir", "os.truncate", "os.link", "os.chmod"}
+
+    def watch(event: str, arguments: tuple[Any, ...]) -> None:
+        opens = event == "open" and isinstance(arguments[2], int) and arguments[2] & change
+        if not (opens or event in acts):
+            return
+        paths = [str(path) for path in arguments[:2] if isinstance(path, (str, os.PathLike))]
+        if any(path.startswith(folder) and not Path(path).is_char_device() for path in paths):
+            raise OSError(errno.EROFS, os.strerror(errno.EROFS), paths[0])
+
+    sys.addaudithook(watch)
+
+
 if "SEA_CLOCK" in os.environ and "serve" in sys.orig_argv:
     install(Path(os.environ["SEA_CLOCK"]))
     if os.environ.get("SEA_WITHOUT"):
         sys.modules[os.environ["SEA_WITHOUT"]] = None  # type: ignore[assignment]
+    if os.environ.get("SEA_READ_ONLY"):
+        freeze(os.environ["SEA_READ_ONLY"])
