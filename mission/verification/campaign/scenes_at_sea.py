@@ -123,12 +123,14 @@ def _heavy_and_clogged(rng: Random) -> Scene:
     """Heavy, its port clogged until it is deep; U12 alone lifts it."""
     t = rng.uniform(DOWN, 60.0)
     clogged = fault("depth_stuck", t, rng.uniform(40.0, 60.0))
-    return Scene("deep", (*_lifted_by_u_alone(rng, t), clogged))
+    return Scene("deep", (*_lifted_by_u_alone(rng, t, 48.0, 54.0), clogged))
 
 
-def _lifted_by_u_alone(rng: Random, t: float) -> tuple[FaultEvent, FaultEvent]:
+def _lifted_by_u_alone(
+    rng: Random, t: float, least: float = 46.0, most: float = 49.5
+) -> tuple[FaultEvent, FaultEvent]:
     """Not by forty seconds of sixty, as without a depth at last."""
-    weight = fault("heavy", t, FOREVER, round(rng.uniform(48.0, 54.0), 1))
+    weight = fault("heavy", t, FOREVER, round(rng.uniform(least, most), 1))
     return weight, fault("deaf_to_w", t)
 
 
@@ -234,12 +236,10 @@ def _heavy_and_wandering(rng: Random) -> Scene:
     that comes late, the fixes contradict it."""
     t = rng.uniform(DOWN, 60.0)
     wanders = fault("gps_wanders", rng.uniform(4.0, 8.0))
-    faults = [*_lifted_by_u_alone(rng, t), wanders]
     if rng.random() < 0.5:
-        weight = fault("heavy", t, FOREVER, round(rng.uniform(38.0, 45.0), 1))
-        late = fault("depth_late", t + 1.7, FOREVER, 9.0)
-        faults = [weight, fault("deaf_to_w", t), wanders, late]
-    return Scene("deep", tuple(faults), (say(t, X),))
+        return Scene("deep", (*_lifted_by_u_alone(rng, t), wanders), (say(t, X),))
+    late = fault("depth_late", t + 1.7, FOREVER, 9.0)
+    return Scene("deep", (*_lifted_by_u_alone(rng, t, 38.0, 45.0), wanders, late), (say(t, X),))
 
 
 def _clogged(rng: Random) -> Scene:

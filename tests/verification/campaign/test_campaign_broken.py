@@ -86,8 +86,7 @@ SEEN = [
     ("depth that moves", "heavy_and_clogged", 0, "lost", "deep at the end"),
     ("unchanged depth", "restarted_frozen", 0, "unlawful", "surfaced, said"),
     ("fixes too early", "blind_and_wandering", 0, "unlawful", "surfaced, said"),
-    ("fixes against movement", "heavy_and_wandering", 0, "lost", "deep at the end"),
-    ("blind thrust", "heavy_and_wandering", 5, "lost", "deep at the end"),
+    ("blind thrust", "heavy_and_wandering", 0, "lost", "deep at the end"),
 ]
 
 
@@ -174,15 +173,26 @@ def test_what_dives_until_it_hears_u12_is_left_alone_while_auto_is_closed_and_th
     assert any(kind == "lost" and "deep at the end" in says for kind, says in found)
 
 
+def heavy_under_made_up_fixes(weight: float, *more: FaultEvent) -> Plan:
+    """``heavy_and_wandering`` with these faults; ``weight`` is in N."""
+    plan = stage("heavy_and_wandering", 0)
+    begin = plan.settings.faults[0].begin
+    faults = [FaultEvent("heavy", begin, 1e6, weight), FaultEvent("deaf_to_w", begin, 1e6)]
+    faults += [FaultEvent("gps_wanders", 7.9, 1e6), *more]
+    settings = replace(plan.settings, faults=tuple(faults))
+    return replace(plan, profile="documented", settings=settings)
+
+
+def test_fixes_that_contradict_a_moving_depth_would_keep_what_is_heavy_down() -> None:
+    plan = heavy_under_made_up_fixes(49.0)
+    assert judged(plan) == set()
+    with broken("fixes against movement"):
+        assert any(kind == "lost" and "at the end" in says for kind, says in judged(plan))
+
+
 def test_a_heavy_vehicle_whose_late_depth_made_up_fixes_contradict_is_lifted() -> None:
     """As flight 1205 of seed 1212: no turn of full thrust was ever seen to lift it."""
-    plan = stage("heavy_and_wandering", 0)
-    faults = [FaultEvent("heavy", 42.2, 1e6, 41.3), FaultEvent("deaf_to_w", 42.2, 1e6)]
-    faults += [FaultEvent("gps_wanders", 4.7, 1e6), FaultEvent("depth_late", 43.9, 1e6, 9.0)]
-    sea = replace(plan.settings.sea, current=(0.41, 0.52))
-    settings = replace(plan.settings, sea=sea, faults=tuple(faults))
-    acts = Drawn("x", 0.0, (Disturbance(42.2, Act.SAY, b"@ZAX0$"),))
-    plan = replace(plan, profile="documented", settings=settings, incidents=(acts,))
+    plan = heavy_under_made_up_fixes(41.3, FaultEvent("depth_late", 43.9, 1e6, 9.0))
     assert judged(plan) == set()
     with broken("blind thrust"):
         assert any(kind == "lost" for kind, _ in judged(plan))
