@@ -232,8 +232,8 @@ def _blind_and_wandering(rng: Random) -> Scene:
 
 def _heavy_and_wandering(rng: Random) -> Scene:
     """Heavy, U12 alone lifts it, and the receiver makes places up. An X lets it sink for so long
-    that it is not back where it was when half a minute of fixes could speak against its depth. Where
-    that comes late, the fixes contradict it."""
+    that it is not back where it was when half a minute of fixes could speak against its depth.
+    Where that comes late, the fixes contradict it."""
     t = rng.uniform(DOWN, 60.0)
     wanders = fault("gps_wanders", rng.uniform(4.0, 8.0))
     if rng.random() < 0.5:

@@ -60,7 +60,7 @@ _ON_LAND: _Reasons = {
         *("moving depth", "fixes against movement", "fixes too early"),
         *("surface behind a silence", "surface by one report", "unchanged depth"),
         *("surface behind a restart", "sank unseen", "pushed down again", "pushed in the dark"),
-        *("sinks at rest", "stays down", "held up", "rest with AUTO closed"),
+        *("blind thrust", "sinks at rest", "stays down", "held up", "rest with AUTO closed"),
         *("way U12", "way X0", "way D12", "ways in turn", "upside down", "cleared below"),
         *("started below", "healthy depth", "healthy heading", "healthy attitude"),
         *("healthy altitude", "above the bottom", "blind leg"),
