@@ -28,7 +28,7 @@ _ERROR = 1.0  # m: bias and noise of both sensors
 _KNOWN = 24.0  # s until silence is known (6), echoes are missed (6), it is frozen (12)
 _SENSORS = ("altitude_", "depth_")
 _GONE = ("altitude_silent", "altitude_frozen")
-_WORD = b"@ZAS"
+_WORD, _POWER = b"@ZAS", b"@RS"
 
 
 def clear_laws(story: Story) -> Iterator[Violation]:
@@ -67,7 +67,11 @@ def _too_deep(story: Story, stay: Stay, held: Setpoint, assumed: float) -> Itera
 
 
 def _gone(story: Story, t: float) -> bool:
-    """The altimeter alone is at fault, and has been for as long as that can be unknown."""
+    """The altimeter alone is at fault, and has been for as long as that can be unknown; nobody has
+    switched its power meanwhile, which ends a silence."""
     faults = story.faults(_SENSORS, t - _KNOWN, t)
-    alone = len(faults) == 1 and faults[0].name in _GONE
-    return alone and faults[0].begin + _KNOWN < t < fault_ends(faults[0])
+    if len(faults) != 1 or faults[0].name not in _GONE:
+        return False
+    begin = faults[0].begin
+    switched = any(w.data.startswith(_POWER) for w in story.words_in(begin, t))
+    return not switched and begin + _KNOWN < t < fault_ends(faults[0])

@@ -42,6 +42,8 @@ _REPORTED = 2.0  # s within which a board reports a depth
 _UPWARD = {"documented": frozenset("UW"), "as-built": frozenset("U")}  # as built, W does not stick
 _RESTS = (STOPPED, SURFACED, MANUAL_WAITING)
 _SWITCHED, _UP = b"@ACK_NSS$", b"@ZAU12$"
+_TICK = 0.1  # s: a fault begins with the next tick, a word is heard whole
+_CURES = {"dives_until_up": _UP, "dives_until_stop": b"@ZAX0$"}
 
 
 def value_of(fault: FaultEvent) -> float:
@@ -81,6 +83,13 @@ def obeys_no_stop(settings: Settings, events: Sequence[Event]) -> bool:
     begins = [f.begin for f in settings.faults if f.name == "dives_until_up"]
     said = max((e.t for e in events if isinstance(e, Tx) and e.data == _UP), default=-math.inf)
     return any(said < begin for begin in begins)
+
+
+def begins_in_its_cure(dive: FaultEvent, events: Sequence[Event]) -> bool:
+    """The word that ends such a dive was the last before it began: it comes again a round later."""
+    by = dive.begin + _TICK
+    words = [e.data for e in events if isinstance(e, Tx) and e.link == VEHICLE and e.t <= by]
+    return bool(words) and words[-1] == _CURES.get(dive.name)
 
 
 def helpless(settings: Settings, profile: str, end: float) -> int:

@@ -208,6 +208,17 @@ def test_another_mission_that_was_sent_whole_is_judged_by_its_own_limits() -> No
     assert judged(plan) == set()
 
 
+def test_an_altimeter_whose_power_an_operator_has_switched_is_not_asked_to_stay_silent() -> None:
+    """As flight 6498 of seed 1313: it speaks again, and the leg goes by it."""
+    plan = stage("blind_above_the_bottom", 0)
+    gone = FaultEvent("altitude_silent", 36.6, 1e6)
+    plan = replace(plan, settings=replace(plan.settings, faults=(gone,)), incidents=())
+    on = Disturbance(64.4, Act.SAY, b"@RSOOOOOOC$")
+    assert judged(replace(plan, incidents=(Drawn("power", 0.0, (on,)),))) == set()
+    with broken("above the bottom"):
+        assert any("would be clear" in says for _, says in judged(plan))
+
+
 def test_what_sinks_behind_a_restart_that_knew_no_depth_is_left_and_otherwise_brought_up() -> None:
     """As flight 5865 of seed 707: it may be on deck, and a depth of 30 m an error."""
     plan = stage("sinks_unseen", 0)

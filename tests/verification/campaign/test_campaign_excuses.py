@@ -7,13 +7,14 @@ from dataclasses import replace
 
 import pytest
 
-from links.simulated.settings import Settings, parse_settings
+from links.simulated.settings import FaultEvent, Settings, parse_settings
 from mission.model import SURFACED, SURFACING, Evaluation, Step, Tx
 from mission.onboard.runtime.runtime import VEHICLE
 from mission.verification.campaign.audit import audit
 from mission.verification.campaign.calm import alarms, calm
 from mission.verification.campaign.excuses import (
     auto_closed,
+    begins_in_its_cure,
     dives_unseen,
     doubted_at_rest,
     helpless,
@@ -211,3 +212,12 @@ def test_the_else_of_a_leg_without_an_echo_is_a_false_alarm_where_the_altimeter_
     events = (*reports, step)
     trial = Trace(events, (), (0.0, 0.0), None, "", "", None, "", False, None)  # type: ignore[arg-type]
     assert len(list(alarms(trial, flown("auv")))) == alarmed
+
+
+def test_a_dive_that_begins_as_its_cure_is_said_hears_it_a_round_later() -> None:
+    """As flight 7934 of seed 1313."""
+    words = [Tx(49.08, VEHICLE, b"@ZAX0$", ""), Tx(49.12, VEHICLE, b"@ZAU12$", "")]
+    for begin, excused in ((49.1, True), (55.0, True), (48.9, False)):
+        assert begins_in_its_cure(FaultEvent("dives_until_up", begin, 60.0), words) is excused
+    assert not begins_in_its_cure(FaultEvent("dives_until_stop", 49.1, 60.0), words)
+    assert not begins_in_its_cure(FaultEvent("dives_until_up", 49.1, 60.0), [])
