@@ -49,6 +49,13 @@ from protocol.modem import Sender, wrap
 from protocol.topside import TopsideCodec
 from protocol.vehicles.auv import ACTUATORS, SD, AuvCodec
 
+_STOPS = (
+    STOPPED,
+    MANUAL_DRIVING,
+    MANUAL_WAITING,
+    IDLE_READY,
+    SURFACED,
+)  # acknowledged anew in each
 TRIES = 3  # R1
 ANSWER = 0.3  # s after which a frame is answered no more (R1)
 STALE = 1.5  # s after which no try of an older set may be left
@@ -225,7 +232,7 @@ class _Auditor:
         yield from self._unjustified(step, before, moved, commands)
         for command in commands:
             self._permit(command, step.t)
-        if moved and self._state in (STOPPED, MANUAL_WAITING, IDLE_READY, SURFACED):
+        if moved and self._state in _STOPS:
             self._acks = 0
 
     def _unjustified(

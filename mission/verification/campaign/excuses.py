@@ -43,7 +43,7 @@ _UPWARD = {"documented": frozenset("UW"), "as-built": frozenset("U")}  # as buil
 _RESTS = (STOPPED, SURFACED, MANUAL_WAITING)
 _SWITCHED, _UP = b"@ACK_NSS$", b"@ZAU12$"
 _TICK = 0.1  # s: a fault begins with the next tick, a word is heard whole
-_CURES = {"dives_until_up": _UP, "dives_until_stop": b"@ZAX0$"}
+_CURES = {"dives_until_stop": b"@ZAX0$"}
 
 
 def value_of(fault: FaultEvent) -> float:
@@ -85,11 +85,11 @@ def obeys_no_stop(settings: Settings, events: Sequence[Event]) -> bool:
     return any(said < begin for begin in begins)
 
 
-def begins_in_its_cure(dive: FaultEvent, events: Sequence[Event]) -> bool:
-    """The word that ends such a dive was the last before it began: it comes again a round later."""
+def spoils_a_turn(dive: FaultEvent, events: Sequence[Event]) -> bool:
+    """It begins in a turn of what would lift the vehicle, or end it: that comes again a round later."""
     by = dive.begin + _TICK
     words = [e.data for e in events if isinstance(e, Tx) and e.link == VEHICLE and e.t <= by]
-    return bool(words) and words[-1] == _CURES.get(dive.name)
+    return bool(words) and words[-1] in (_UP, _CURES.get(dive.name))
 
 
 def helpless(settings: Settings, profile: str, end: float) -> int:

@@ -51,10 +51,10 @@ from mission.model.vehicle import Vehicle
 from mission.verification.campaign import board_laws as of_board
 from mission.verification.campaign.audit import audit
 from mission.verification.campaign.excuses import (
-    begins_in_its_cure,
     helpless,
     left,
     lied,
+    spoils_a_turn,
     unknown_and_heavy,
     untamed,
 )
@@ -204,7 +204,7 @@ def _dive(settings: Settings, profile: str, trial: Trace) -> float:
     in_vain = profile == "as-built" or "dives_until_up" in dives
     seconds = SAMPLES + TURNED + (UNPROVED if in_vain else 1.0)  # of a W
     seconds += WHOLE_ROUND * max(len(dives) - 1, 0)  # one of which begins in the last one's cure
-    seconds += WHOLE_ROUND * sum(begins_in_its_cure(f, trial.events) for f in diving)
+    seconds += WHOLE_ROUND * sum(spoils_a_turn(f, trial.events) for f in diving)
     if any(f.name.startswith(_UNSEEN) for f in settings.faults) or _acts(trial, Act.UNPLUG):
         seconds += BLIND
     again = WHOLE_ROUND if dives else UNPROVED

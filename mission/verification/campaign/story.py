@@ -223,7 +223,7 @@ class Story:
     def _leap(self, fault: FaultEvent, over: float) -> float:
         """m that what it says changes by when it is over; what looked well was contradicted."""
         kind = fault.name.removeprefix("depth_")
-        if kind in ("frozen", "silent"):
+        if kind in ("frozen", "silent", "intermittent"):
             return abs(self.depth(over) - self.depth(fault.begin))
         return math.inf if kind.startswith(_LOOKS_WELL) else 0.0
 

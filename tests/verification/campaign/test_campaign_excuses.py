@@ -14,7 +14,6 @@ from mission.verification.campaign.audit import audit
 from mission.verification.campaign.calm import alarms, calm
 from mission.verification.campaign.excuses import (
     auto_closed,
-    begins_in_its_cure,
     dives_unseen,
     doubted_at_rest,
     helpless,
@@ -22,6 +21,7 @@ from mission.verification.campaign.excuses import (
     lift,
     net,
     obeys_no_stop,
+    spoils_a_turn,
     unknown,
     unknown_and_heavy,
     untamed,
@@ -214,10 +214,12 @@ def test_the_else_of_a_leg_without_an_echo_is_a_false_alarm_where_the_altimeter_
     assert len(list(alarms(trial, flown("auv")))) == alarmed
 
 
-def test_a_dive_that_begins_as_its_cure_is_said_hears_it_a_round_later() -> None:
-    """As flight 7934 of seed 1313."""
+def test_a_dive_that_begins_in_a_turn_of_full_thrust_costs_a_round() -> None:
+    """As flights 7934 and 12699 of seed 1313."""
     words = [Tx(49.08, VEHICLE, b"@ZAX0$", ""), Tx(49.12, VEHICLE, b"@ZAU12$", "")]
-    for begin, excused in ((49.1, True), (55.0, True), (48.9, False)):
-        assert begins_in_its_cure(FaultEvent("dives_until_up", begin, 60.0), words) is excused
-    assert not begins_in_its_cure(FaultEvent("dives_until_stop", 49.1, 60.0), words)
-    assert not begins_in_its_cure(FaultEvent("dives_until_up", 49.1, 60.0), [])
+    for name in ("dives_until_up", "dives_until_stop"):
+        for begin, excused in ((49.1, True), (55.0, True)):
+            assert spoils_a_turn(FaultEvent(name, begin, 60.0), words) is excused
+        assert not spoils_a_turn(FaultEvent(name, 49.1, 60.0), [])
+    assert spoils_a_turn(FaultEvent("dives_until_stop", 48.99, 60.0), words)
+    assert not spoils_a_turn(FaultEvent("dives_until_up", 48.99, 60.0), words)
