@@ -22,7 +22,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 REPORT = struct.Struct("<ddQQ")
-PATIENCE = 60.0  # real seconds that one tick may take before the program counts as hung
+PATIENCE = 1800.0  # real seconds that one tick may take before the program counts as hung
 
 
 class Hung(Exception):

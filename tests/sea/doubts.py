@@ -11,12 +11,10 @@ from tests.sea.laws import (
     HELD,
     UPWARD,
     Law,
-    held_up,
     home,
     lives,
     never,
     never_deeper,
-    noted,
     reached,
     upward_within,
 )
@@ -112,13 +110,19 @@ def late_and_heavy(world: World) -> Steps:
 
 
 def dead_and_gappy(world: World) -> Steps:
-    """No depth any more, no report for 9 s of each 20 s, and 8 N too heavy."""
+    """No depth any more, no report for 9 s of each 20 s, and 8 N too heavy.
+
+    At the surface somebody takes hold of it: once fixes have proved the surface it is let go, and an
+    unknown depth turns no thruster there.
+    """
     yield from dive(world)
     world.board.senses.depth = lambda _now, _truth: math.nan
     world.body.buoyancy = -8.0
     world.spawn(gaps(world))
     world.mark("due")
-    yield from world.held(300)
+    yield from world.until(lambda: world.body.depth < 0.3, 300)
+    world.body.buoyancy = 8.0
+    yield from world.rest(150)
 
 
 def offset_and_wandering(world: World) -> Steps:
@@ -246,34 +250,6 @@ def bare_sentences(world: World) -> Steps:
     yield from world.rest(150)
 
 
-def insists(world: World) -> Steps:
-    """W with no buoyancy left, and an operator who says `@AC$` and `@AA$` four times a second."""
-    yield from dive(world)
-    world.body.buoyancy = 0.3
-    order(world, "@ZAWF$")
-    world.spawn(boat(world).repeat(lambda n: ("@AC$", "@AA$")[n % 2], 0.25))
-    yield from world.held(200)
-
-
-def closed_and_opened(buoyancy: float) -> Script:
-    """AUTO is closed at depth, with another trim, and opened 20 s later; then a start."""
-
-    def script(world: World) -> Steps:
-        yield from dive(world)
-        world.body.buoyancy = buoyancy
-        letter = yield from boat(world).ask("@NSOOOCCC$", "NS", 8)
-        world.notes.append(f"closed={letter}")
-        yield from world.wait(18)
-        letter = yield from boat(world).ask("@NSOOOCCO$", "NS", 8)
-        world.notes.append(f"opened={letter}")
-        world.mark("due")
-        letter = yield from boat(world).ask("@AA$", "AA")
-        world.notes.append(f"again={letter}")
-        yield from world.held(220 if buoyancy < 0 else 60)
-
-    return script
-
-
 def healthy_voltage(world: World) -> Steps:
     """The control battery swings about its limit of 22 V, most of the time above it."""
     yield from own_voltage(world)
@@ -282,14 +258,6 @@ def healthy_voltage(world: World) -> Steps:
     yield from strange(world)
 
 
-def far_from_home(world: World) -> Steps:
-    """It is put into the water 60 m from home; the mission assumes 25 m."""
-    yield from go(world, mission(8, 10))
-    world.mark("due")
-    yield from world.wait(20)
-
-
-REFUSED: tuple[Law, ...] = (reached(), noted("start=N"), home(1), never_deeper(2), lives())
 OVER: tuple[Law, ...] = (reached(), home(300), never_deeper(20), lives())
 SCENES: tuple[Scene, ...] = (
     Scene(
@@ -311,9 +279,9 @@ SCENES: tuple[Scene, ...] = (
     Scene("late-depth-heavy", "full thrust is tried for longer", late_and_heavy, LIFTED),
     Scene(
         "no-depth-gappy-heavy",
-        "25 N of thrust lift 8 N of weight",
+        "full thrust has longer turns where no depth tells",
         dead_and_gappy,
-        (reached(), home(300, HELD, off=False), never_deeper(30), lives()),
+        (reached(), home(300), never_deeper(30), lives()),
     ),
     Scene(
         "zero-off-wandering",
@@ -330,7 +298,12 @@ SCENES: tuple[Scene, ...] = (
         world={"receiver_mode": "wandering"},
     ),
     Scene("over-under-the-stick", "let go it rises", over_under_the_stick, OVER),
-    Scene("over-clogged", "let go it rises", over_and_clogged, OVER),
+    Scene(
+        "over-clogged",
+        "whatever its depth says, two of the ways lift it: within 4 m of the surface, for ever",
+        over_and_clogged,
+        (reached(), home(300, 4.0, off=False), never_deeper(20), lives()),
+    ),
     Scene("over-unseen", "letting go is what makes the depth fall", over_unseen, OVER),
     Scene("over-and-back", "either way up, one of the ways lifts it", over_and_back, OVER),
     Scene(
@@ -367,41 +340,10 @@ SCENES: tuple[Scene, ...] = (
         world={"receiver_mode": "ring"},
     ),
     Scene(
-        "insists-on-the-clear",
-        "N until the surface",
-        insists,
-        (*LIGHT, never("@ZA[SHFD]", "due", "no mission")),
-    ),
-    Scene(
-        "auto-opened-heavy",
-        "sinking below 2 m begins an ascent, once AUTO is open",
-        closed_and_opened(-4.0),
-        (
-            *(reached(), home(300, HELD, off=False), held_up(), never_deeper(24), lives()),
-            *(noted("closed=S"), noted("opened=S"), noted("again=N"), upward_within(8)),
-        ),
-    ),
-    Scene(
-        "auto-opened-hovering",
-        "a mission begins at the surface alone",
-        closed_and_opened(0.0),
-        (
-            *(reached(), noted("closed=S"), noted("opened=S"), noted("again=N"), lives()),
-            never("@ZA[SHFD]", "due", "no mission"),
-        ),
-    ),
-    Scene(
         "healthy-voltage",
         "most of a window is above the limit",
         healthy_voltage,
         QUIET_DIVE,
         board={"built": False},
-    ),
-    Scene(
-        "start-far-from-home",
-        "the check rests on 25 m",
-        far_from_home,
-        REFUSED,
-        body={"pose": hull.Pose(x=60.0)},
     ),
 )

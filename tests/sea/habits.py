@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator
 
 from tests.sea.channels import CALM, strange
-from tests.sea.laws import home, lives, never_deeper, reached
+from tests.sea.laws import held_up, home, lives, never_deeper, reached
 from tests.sea.scene import LIGHT, Scene, Script, boat, dive, order
 from tests.sea.stm32 import Board
 from tests.sea.world import World
@@ -175,6 +175,11 @@ SCENES: tuple[Scene, ...] = (
         nothing_but_garbage,
         (reached(), home(200), never_deeper(16), lives()),
     ),
-    Scene("deaf-at-w", "each way comes round again", deaf_at_w(12, 8.0), LIGHT),
+    Scene(
+        "deaf-at-w",
+        "each way comes round again",
+        deaf_at_w(12, 8.0),
+        (reached(), home(150), held_up(), never_deeper(16), lives()),
+    ),
     Scene("deaf-at-w-heavy", "each way comes round again", deaf_at_w(9, -5.0), LIFTED),
 )

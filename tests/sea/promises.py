@@ -1,4 +1,4 @@
-"""Scenes of what is promised before a dive and measured in it: bounds of the check, the float test, keys,
+"""Scenes of what is promised and of who is refused: bounds of the check, the float test, keys, clears, starts,
 texts of any size.
 """
 
@@ -18,16 +18,20 @@ from tests.sea import hull
 from tests.sea.laws import (
     HELD,
     Law,
+    held_up,
     home,
     lives,
+    never,
     never_deeper,
+    noted,
     passed,
     quiet,
     reached,
     sinking_noticed,
+    upward_within,
 )
 from tests.sea.pi import ROOT
-from tests.sea.scene import Scene, Script, go, mission
+from tests.sea.scene import LIGHT, Scene, Script, boat, dive, go, mission, order
 from tests.sea.world import World
 
 Steps = Iterator[None]
@@ -36,7 +40,7 @@ Steps = Iterator[None]
 def ashore(*words: str) -> subprocess.CompletedProcess[str]:
     """A command of the program's on the laptop, to its end."""
     command = [sys.executable, "-m", "mission", *words]
-    return subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=120)
+    return subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=1800)
 
 
 def without_flag(kept: str) -> Script:
@@ -77,16 +81,26 @@ def within_the_bounds() -> Law:
     return law
 
 
-def float_test(world: World) -> Steps:
-    """The shipped float test, and what `calibrate` reads from its black box."""
-    yield from go(world, ashore("convert", "float-test", "--to", "lines").stdout)
-    world.mark("due")
-    yield from world.until(lambda: world.body.depth > 1.0, 60)
-    yield from world.rest(700)
-    logs = [str(path) for path in sorted((world.pi.state / "log").glob("*.mcap"))]
-    done = ashore("calibrate", *logs)
-    figure = re.search(r"ascent_buoyancy: (-?[\d.]+)", done.stdout)
-    world.notes.append(f"rise={figure[1] if figure else done.stdout + done.stderr}")
+def float_test(let_go: int) -> Script:
+    """The shipped float test, or a copy that lets go deeper; and what `calibrate` reads from its box."""
+
+    def script(world: World) -> Steps:
+        text = ashore("convert", "float-test", "--to", "lines").stdout
+        deeper = (("depth 5 v", let_go + 3), ("depth 2 u", let_go), ("depth > 4 h", let_go + 2))
+        for words, metres in deeper:
+            text = text.replace(words, re.sub(r"\d", str(metres), words))
+        text = text.replace("depth >= 1.7", f"depth >= {let_go - 0.3}")
+        text = text.replace("achieve position 30", "achieve position 60")
+        yield from go(world, text)
+        world.mark("due")
+        yield from world.until(lambda: world.body.depth > 1.0, 60)
+        yield from world.rest(700)
+        logs = [str(path) for path in sorted((world.pi.state / "log").glob("*.mcap"))]
+        done = ashore("calibrate", *logs)
+        figure = re.search(r"ascent_buoyancy: (-?[\d.]+)", done.stdout)
+        world.notes.append(f"rise={figure[1] if figure else done.stdout + done.stderr}")
+
+    return script
 
 
 def measured(least: float, most: float) -> Law:
@@ -171,42 +185,42 @@ def sinks_while_texts_come(world: World) -> Steps:
     yield from world.wait(120)
 
 
-def learned_by_hand(world: World) -> Steps:
-    """For two minutes the vehicle is held by its rope in a current of 0.5 m/s: a start is still none the surer.
+def insists(world: World) -> Steps:
+    """W with no buoyancy left, and an operator who says `@AC$` and `@AA$` four times a second."""
+    yield from dive(world)
+    world.body.buoyancy = 0.3
+    order(world, "@ZAWF$")
+    world.spawn(boat(world).repeat(lambda n: ("@AC$", "@AA$")[n % 2], 0.25))
+    yield from world.held(200)
 
-    The mission allows 90 m; nobody may take it farther.
-    """
-    world.operator()
-    held = world.body.pose
 
-    def hold() -> Steps:
-        while "go" not in world.marks:
-            world.body.pose = held
-            yield
+def closed_and_opened(buoyancy: float) -> Script:
+    """AUTO is closed at depth, with another trim, and opened 20 s later; then a start."""
 
-    world.spawn(hold())
-    yield from world.wait(100)
-    world.operators.pop().close()
-    text = mission(5, 10, stay="3min").replace("radius 900", "radius 120")
-    yield from go(world, text.replace("gear 4 for", "stop for"))
-    yield from world.until(lambda: world.body.depth > 2, 60)
-    yield from world.until(lambda: world.body.depth < 0.5, 400)
+    def script(world: World) -> Steps:
+        yield from dive(world)
+        world.body.buoyancy = buoyancy
+        letter = yield from boat(world).ask("@NSOOOCCC$", "NS", 8)
+        world.notes.append(f"closed={letter}")
+        yield from world.wait(18)
+        letter = yield from boat(world).ask("@NSOOOCCO$", "NS", 8)
+        world.notes.append(f"opened={letter}")
+        world.mark("due")
+        letter = yield from boat(world).ask("@AA$", "AA")
+        world.notes.append(f"again={letter}")
+        yield from world.held(220 if buoyancy < 0 else 60)
+
+    return script
+
+
+def far_from_home(world: World) -> Steps:
+    """It is put into the water 60 m from home; the mission assumes 25 m."""
+    yield from go(world, mission(8, 10))
     world.mark("due")
-    world.notes.append(f"away={math.hypot(world.body.pose.x, world.body.pose.y):.0f}")
-    yield from world.rest(100)
+    yield from world.wait(20)
 
 
-def not_farther(metres: float) -> Law:
-    """The body was never farther from home than this when it came up."""
-
-    def law(world: World) -> str:
-        note = next((note for note in world.notes if note.startswith("away=")), "away=1e9")
-        away = float(note.partition("=")[2])
-        return f"{away:.0f} m from home, {metres:.0f} m allowed" if away > metres else ""
-
-    return law
-
-
+REFUSED: tuple[Law, ...] = (reached(), noted("start=N"), home(1), never_deeper(2), lives())
 SCENES: tuple[Scene, ...] = (
     Scene(
         "bounds-without-fix",
@@ -222,19 +236,19 @@ SCENES: tuple[Scene, ...] = (
         (reached(), home(1, off=False), within_the_bounds(), lives()),
         body={"current": (0.1, 0.1)},
     ),
-    Scene(
-        "float-test",
-        "8 N and the drag of the hull: 0.25 m/s, less what it takes to get there",
-        float_test,
-        (reached(), home(700), never_deeper(6), measured(0.1, 1.03 * terminal(8.0)), lives()),
-    ),
-    Scene(
-        "float-test-faint",
-        "1 N: 0.087 m/s",
-        float_test,
-        (reached(), home(700), never_deeper(6), measured(0.0, 1.03 * terminal(1.0)), lives()),
-        body={"buoyancy": 1.0},
-    ),
+    *[
+        Scene(
+            f"float-test-{newtons}-n",
+            f"{newtons} N and the drag of the hull: {terminal(newtons):.2f} m/s, less what it takes to get there",
+            float_test(let_go),
+            (
+                *(reached(), home(700), never_deeper(let_go + 3), lives()),
+                measured(0.4 * terminal(newtons), 1.05 * terminal(newtons)),
+            ),
+            body={"buoyancy": float(newtons)},
+        )
+        for newtons, let_go in ((8, 6), (1, 2))
+    ],
     Scene(
         "half-handshakes",
         "a boat with a certificate gets in",
@@ -251,10 +265,34 @@ SCENES: tuple[Scene, ...] = (
         ),
     ),
     Scene(
-        "learned-by-hand",
-        "the current counts as unknown as the mission assumes it",
-        learned_by_hand,
-        (reached(), home(150), not_farther(140), lives()),
-        body={"current": (0.35, 0.35)},
+        "insists-on-the-clear",
+        "N until the surface",
+        insists,
+        (*LIGHT, never("@ZA[SHFD]", "due", "no mission")),
+    ),
+    Scene(
+        "auto-opened-heavy",
+        "sinking below 2 m begins an ascent, once AUTO is open",
+        closed_and_opened(-4.0),
+        (
+            *(reached(), home(300, HELD, off=False), held_up(), never_deeper(24), lives()),
+            *(noted("closed=S"), noted("opened=S"), noted("again=N"), upward_within(8)),
+        ),
+    ),
+    Scene(
+        "auto-opened-hovering",
+        "a mission begins at the surface alone",
+        closed_and_opened(0.0),
+        (
+            *(reached(), noted("closed=S"), noted("opened=S"), noted("again=N"), lives()),
+            never("@ZA[SHFD]", "due", "no mission"),
+        ),
+    ),
+    Scene(
+        "start-far-from-home",
+        "the check rests on 25 m",
+        far_from_home,
+        REFUSED,
+        body={"pose": hull.Pose(x=60.0)},
     ),
 )

@@ -259,11 +259,16 @@ SCENES: tuple[Scene, ...] = (
     Scene("ctrl-c-killed", "an ascent is latched", interrupted, (*LIGHT, upward_within(8))),
     Scene(
         "killed-port-late-heavy",
-        "when the port is there, the ascent's words leave",
+        "when the port is there, the way in use is said; the next follow in turn",
         port_late,
-        (*LIFTED, upward_within(4)),
+        (*LIFTED, word_within("@ZAX0", 2, "due"), upward_within(22)),
     ),
-    Scene("no-depth-both-ports-away", "fixes end it, after all", both_ports, BACK),
+    Scene(
+        "no-depth-both-ports-away",
+        "it dives by itself at 0.36 m/s while the port is away; fixes end it, after all",
+        both_ports,
+        (reached(), home(200), never_deeper(19), lives()),
+    ),
     Scene("wild-clock-heavy", "a clock decides nothing", wild_clock, LIFTED),
     *[
         Scene(

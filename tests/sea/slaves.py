@@ -135,11 +135,14 @@ def ends(text: str, how: str, buoyancy: float) -> Script:
         yield from under_way(world, text, "6min")
         world.mark("due")
         world.body.buoyancy = buoyancy
-        if how == "term":
+        if (
+            how == "term"
+        ):  # a board that goes neutral by itself holds nothing up when serve has ended
             world.pi.systemctl_stop()
-        else:
-            ruin(world, "config broken")
-            world.pi.signal(signal.SIGKILL)
+            yield from world.until(lambda: not world.pi.running(), 300)
+            return
+        ruin(world, "config broken")
+        world.pi.signal(signal.SIGKILL)
         yield from (world.held(220) if buoyancy < 0 else world.rest(220))
 
     return script
@@ -298,7 +301,7 @@ SCENES: tuple[Scene, ...] = (
     ),
     Scene(
         "rov-term-heavy",
-        "the thrusters lift 3 N",
+        "the thrusters lift 3 N, until serve has ended",
         ends(ROV, "term", -3.0),
         LIFTED,
         FAINT,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -10,8 +11,10 @@ from pathlib import Path
 import pytest
 
 from tests.sea.body import Body, Gears
+from tests.sea.clock import Clock
 from tests.sea.others import xor
 from tests.sea.pi import ROOT
+from tests.sea.receiver import Receiver
 from tests.sea.scenes import SCENES
 from tests.sea.stm32 import Board
 from tests.sea.wire import Line, crc_modbus, crc_stm32, modem_frame
@@ -104,6 +107,51 @@ def test_the_scenes_are_found_by_hand_as_by_pytest() -> None:
     names = [line.split()[0] for line in listed.stdout.splitlines()]
     assert names == [scene.name for scene in SCENES]
     assert len(set(names)) == len(names), "a name says which one is flown"
+
+
+FROZEN = """
+import errno, os, sys
+kept = open("kept").read()
+acts = (lambda: open("new", "w"), lambda: open("kept", "ab"), lambda: os.remove("kept"),
+        lambda: os.replace("kept", "other"), lambda: os.mkdir("folder"))
+for act in acts:
+    try:
+        act()
+    except OSError as error:
+        kept += f" {errno.errorcode[error.errno]}"
+print(kept)
+"""
+
+
+def test_a_read_only_folder_can_be_read_and_not_changed(tmp_path: Path) -> None:
+    (tmp_path / "kept").write_text("kept")
+    clock = Clock()
+    code = FROZEN.replace('"kept"', repr(str(tmp_path / "kept")))
+    for name in ("new", "other", "folder"):
+        code = code.replace(f'"{name}"', repr(str(tmp_path / name)))
+    done = subprocess.run(
+        [sys.executable, "-c", code, "serve"],
+        env={**os.environ, **clock.environment(), "SEA_READ_ONLY": str(tmp_path)},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    clock.close()
+    assert done.stdout.split() == ["kept", *["EROFS"] * 5]
+    assert [path.name for path in tmp_path.iterdir()] == ["kept"]
+
+
+def test_a_receiver_tells_places_at_its_own_pace_and_with_its_own_habits() -> None:
+    line = Line(9600)
+    receiver = Receiver(Body(), line, period=0.5, checked=False, date="310799")
+    said: list[bytes] = []
+    line.send = lambda _now, data: said.append(data)  # type: ignore[method-assign]
+    for tick in range(1000):
+        receiver.tick(1000 + tick / 100)
+    line.close()
+    assert len(said) in (19, 20)
+    assert b",310799," in said[-1]
+    assert b"*" not in b"".join(said)
 
 
 def test_a_port_that_vanished_is_found_again_by_its_name(tmp_path: Path) -> None:
