@@ -17,6 +17,7 @@ from mission.engine.bounds import in_force
 from mission.engine.limits import LIMITS, Limit
 from mission.engine.monitor import LimitMonitor
 from mission.engine.vehicle_state import VehicleState
+from mission.model import SURFACING
 from mission.model.shipped import load_vehicle
 from mission.onboard.runtime.records import ListRecorder
 from mission.verification.exhaustive.cell import Event
@@ -92,6 +93,19 @@ def test_it_is_looked_at_answered_recorded_and_replayed_to_the_bit() -> None:
     assert "deeper than 2 m" in flight.legs[0].why
     assert flight.at_surface
     assert replay(recorder.records).identical
+
+
+def test_a_report_without_what_it_needs_takes_nothing_from_its_count_and_adds_nothing() -> None:
+    world = flying(depth=1.0)
+    for metres in (3.0, None, 3.0):
+        world.depth = metres
+        world.wait(2.0)
+    assert world.state == SURFACING
+    world = flying(depth=1.0)
+    for metres in (3.0, 1.0, 3.0):
+        world.depth = metres
+        world.wait(2.0)
+    assert world.state != SURFACING
 
 
 def test_a_flight_within_it_is_not_disturbed() -> None:
