@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 from contracts import keep
@@ -26,6 +27,7 @@ from mission.verification.exhaustive.world import World as Cell
 from mission.verification.simulation.flight import fly
 from protocol.messages import SetSafety
 
+DOCS = Path(__file__).resolve().parents[2] / "docs"
 BOUND = 2.0  # m
 
 
@@ -106,6 +108,16 @@ def test_a_report_without_what_it_needs_takes_nothing_from_its_count_and_adds_no
         world.depth = metres
         world.wait(2.0)
     assert world.state != SURFACING
+
+
+def test_it_is_listed_in_the_manual(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(str(DOCS))
+    from from_code.tables import limits
+
+    row = "| toy depth | depth | 2 m | 2 samples | autonomous | emergency/surfacing |"
+    assert row in limits().split("\n")
+    assert "| voltage | control battery | the voltage in force | 10 s |" in limits()
+    assert "```{from-code} limits" in (DOCS / "operation.md").read_text(encoding="utf-8")
 
 
 def test_a_flight_within_it_is_not_disturbed() -> None:
