@@ -4,15 +4,26 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 
 import pytest
 
 from mission.engine import readings
 from mission.engine.readings import Scope
+from mission.engine.variables import (
+    VARIABLES,
+    difference,
+    reading_of,
+    reading_row,
+    row_of,
+    value_of,
+)
 from mission.legs.base import Track
 from mission.model import Estimate, Health, NavigationMode
+from mission.model.vehicle import STALE_AFTER
 from mission.navigation import distribution
 from protocol.messages import Telemetry
+from protocol.vehicles.channels import Source
 
 SIGMAS = {"heading": 0.1, "current": 0.3, "speed": 0.4}
 HERE = Estimate(
@@ -160,3 +171,60 @@ def test_a_share_is_of_the_whole_distribution_about_the_place() -> None:
     for lacking in (scope(), scope(None, track=TRACK), scope(NOWHERE, track=TRACK)):
         assert readings.distance_share(lacking, 19.0) is None
     assert readings.range_share(scope(NOWHERE), 48.0) is None
+
+
+# --- whether it is believed ---------------------------------------------------------------------------
+
+
+def at(now: float, report: Telemetry | None, **healths: Health) -> Scope:
+    return Scope(
+        now, HERE, report, lambda sensor: healths.get(sensor, Health(True, "", 0.0)),
+        *(0.0, 0.0, 0.0, 1), lambda: None,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("health", "known"),
+    [
+        (Health(True, "", 0.0), True),
+        (Health(True, "", STALE_AFTER), True),
+        (Health(True, "", STALE_AFTER + 0.1), False),
+        (Health(False, "frozen", 0.0), False),
+    ],
+)
+def test_a_value_is_known_while_its_sensors_are_healthy_and_fresh(health: Health, known: bool):
+    now = at(100.0, Telemetry(99.0), depth=health)
+    assert (value_of(VARIABLES["depth"], now) is not None) is known
+    shown = reading_of(VARIABLES["depth"], now)
+    assert (shown.valid, shown.reason) == (known, "" if known else health.reason or "stale")
+    assert shown.age == 1.0
+
+
+def test_what_is_no_number_is_not_known() -> None:
+    row = replace(VARIABLES["depth"], read=lambda scope: math.nan)
+    assert value_of(row, at(100.0, Telemetry(99.0))) is None
+    assert reading_of(row, at(100.0, Telemetry(99.0))).reason == "missing"
+
+
+def test_a_clock_is_always_known_and_has_no_age() -> None:
+    shown = reading_of(VARIABLES["elapsed"], at(100.0, None))
+    assert (shown.value, shown.valid, shown.age) == (100.0, True, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("age", "value"), [(0.0, 7.0), (STALE_AFTER, 7.0), (STALE_AFTER + 0.1, None)]
+)
+def test_a_reading_of_the_vehicle_file_is_of_the_report_and_goes_stale_with_it(age, value) -> None:
+    row = reading_row("metal", Source("metal", "", "of metal", lambda report: 7.0))
+    assert (row.name, value_of(row, at(100.0, Telemetry(100.0 - age)))) == ("metal", value)
+    assert value_of(row, at(100.0, None)) is None
+    assert (
+        row_of("metal", {"metal": Source("metal", "", "of metal", lambda report: 7.0)}).name
+        == "metal"
+    )
+    assert row_of("depth", {}) is VARIABLES["depth"]
+
+
+def test_a_difference_of_directions_is_the_short_way_round() -> None:
+    assert difference(VARIABLES["heading"], 0.1, math.tau - 0.1) == pytest.approx(0.2)
+    assert difference(VARIABLES["depth"], 7.0, 5.0) == 2.0
