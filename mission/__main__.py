@@ -19,7 +19,7 @@ def main() -> None:
 
 
 def _lower_lifeboat(error: Exception) -> None:
-    """Whatever it is: an import that fails, a file of the program that is damaged."""
+    """Brings the vehicle up without the program, whatever failed: an import, a damaged file."""
     from mission.onboard.lifeboat import launch, plan_from
 
     traceback.print_exception(error)

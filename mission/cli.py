@@ -86,7 +86,8 @@ class _Lazy(click.Group):
         return found
 
     def invoke(self, ctx: click.Context) -> Any:
-        """Ctrl-C: the exception is let go of first, and with it whatever it still holds up."""
+        """Ends with 130 on Ctrl-C, outside the handler: the exception and the frames that it holds
+        are freed first."""
         try:
             return super().invoke(ctx)
         except KeyboardInterrupt:

@@ -24,6 +24,7 @@ from from_code.rows import rows_table
 from from_code.tables import (
     alarms,
     diagnostic_codes,
+    limits,
     link_schemes,
     simulation_settings,
     topic_tables,
@@ -41,6 +42,7 @@ PARTS: Mapping[str, Callable[[str], str]] = MappingProxyType(
         "order": order_picture,
         "diagnostic-codes": lambda _: diagnostic_codes(),
         "alarms": lambda _: alarms(),
+        "limits": lambda _: limits(),
         "rows": rows_table,
         "link-schemes": lambda _: link_schemes(),
         "topics": lambda _: topic_tables(),

@@ -8,6 +8,7 @@ from from_code.commands import escaped
 from links import LINKS
 from links.simulated.faults import FAULTS
 from links.simulated.settings import SETTINGS
+from mission.engine.limits import LIMITS, Limit
 from mission.model.alarms import ALARMS
 from mission.model.codes import CODES
 from mission.model.units import number_text
@@ -48,6 +49,24 @@ def alarms() -> str:
     """Every alarm with its level and what to do."""
     rows = [(row.name, row.level, escaped(row.do)) for row in ALARMS.values()]
     return _table(("alarm", "level", "what to do"), rows)
+
+
+def limits() -> str:
+    """Every limit: from what it is seen, beyond what, for how long, where it acts, what follows."""
+    rows = [
+        (
+            *(row.name, escaped(row.source), escaped(row.bound), _lasts(row)),
+            *(", ".join(sorted(row.acts)), row.response.value),
+        )
+        for row in LIMITS.values()
+    ]
+    return _table(("limit", "seen from", "bound", "lasts", "acts in", "then"), rows)
+
+
+def _lasts(row: Limit) -> str:
+    if row.seconds:
+        return f"{row.seconds:g} s"
+    return "at once" if row.samples == 1 else f"{row.samples} samples"
 
 
 def link_schemes() -> str:

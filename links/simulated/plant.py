@@ -157,7 +157,8 @@ class Plant:
         self._pwm = ()  # so that the next ``drive`` looks at its targets again
 
     def load(self, righting: float) -> None:
-        """Ballast that moved: another righting moment. A hull is never quite level."""
+        """Sets another righting moment, as by ballast that moved, and heels the hull by ``HEEL``: a
+        hull is never quite level."""
         self.righting = righting
         self.roll += HEEL
         self._constants = self._per_step()

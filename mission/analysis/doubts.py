@@ -62,7 +62,8 @@ class Timeline:
         t: float,
         stands: Callable[[str], float | None] = lambda _: None,
     ) -> None:
-        """``stands``: since when a sensor that is frozen says what it says."""
+        """Notes each sensor's health at ``t``. ``stands``: since when a frozen sensor repeats
+        itself."""
         for sensor in self._sensors:
             seen = health(sensor, t)
             begin, was, since = self._open.get(sensor, (t, "", None))
@@ -158,7 +159,8 @@ def lasting(spells: Iterable[Spell]) -> float:
 
 
 def doubted_depth(spells: Iterable[Spell], fixes: Iterable[float]) -> Iterator[str]:
-    """Of a depth that could not be believed for long; ``fixes``: when they came."""
+    """Tells that the depth could not be believed for ``SILENT_S`` or more in all. ``fixes``: the
+    times of the fixes, s."""
     deep = [spell for spell in spells if spell.sensor == "depth"]
     if (lasted := lasting(deep)) < SILENT_S:
         return

@@ -67,7 +67,7 @@ def trust(misses: Sequence[float]) -> float:
 
 
 def _missed(log: Inputs, vehicle: Vehicle) -> list[_Dive]:
-    """By the first fix after each dive, before it is used."""
+    """Compares the estimate with the first fix after each dive, before the filter takes that in."""
     nav, found = Navigation(vehicle), []
     last, swum, seen = -math.inf, 0.0, 0.0
     for item in log:
@@ -88,7 +88,7 @@ def _missed(log: Inputs, vehicle: Vehicle) -> list[_Dive]:
 
 
 def _off(e: Estimate, place: tuple[float, float], sigma: float) -> tuple[float, float]:
-    """m, and the normalised square over its degrees of freedom."""
+    """Returns the distance, m, and the normalised error squared, d^T (P + sigma^2 I)^-1 d / 2."""
     dn, de = place[0] - e.north, place[1] - e.east
     a, b, d = e.covariance[0] + sigma**2, e.covariance[1], e.covariance[2] + sigma**2
     nees = (d * dn * dn - 2.0 * b * dn * de + a * de * de) / (a * d - b * b)

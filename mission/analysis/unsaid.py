@@ -70,7 +70,7 @@ class Absence:
 
 
 class Power:
-    """Of the vehicle's devices, as operators have it switched by ``@RS``."""
+    """Follows which of the vehicle's devices operators have switched on or off by ``@RS``."""
 
     def __init__(self) -> None:
         self._letters = ""
@@ -130,11 +130,11 @@ class Unsaid:
             yield from self._fix(message.t, message.value, origin, believed)
 
     def forget(self) -> None:
-        """Records are missing: nobody knows what was said meanwhile."""
+        """Begins anew behind missing records: what was said meanwhile is not known."""
         self.lost, self._reported, self._fixed = True, None, None
 
     def at_last(self, end: float) -> Iterator[str]:
-        """What can only be told of the whole, which ends there."""
+        """Sentences that can be told only once the recording is over."""
         if self._unfixed is not None:
             yield from self._unfixed.at_last(end)
             if self._fixed is not None and end - self._fixed > ALONE_S:

@@ -66,7 +66,7 @@ def _write_layout(path: Path) -> None:
 
 
 def _live(url: str, listen: str) -> Iterator[None]:
-    """Now and then, for ever."""
+    """Serves what the monitor sends; yields between frames, for ever."""
     from mission.analysis.foxglove.live import TOPICS, Live
     from mission.topside.console import observe
     from mission.topside.monitor import Watched, wish
@@ -87,7 +87,7 @@ def _live(url: str, listen: str) -> Iterator[None]:
 
 
 def _played(path: Path, listen: str, speed: float) -> Iterator[None]:
-    """Now and then, for ever. Raises BlackBoxError."""
+    """Serves a recording at its pace; yields while it waits, for ever. Raises BlackBoxError."""
     from mission.analysis.foxglove.playing import TOPICS, begun, messages
     from mission.analysis.journal import recordings
 

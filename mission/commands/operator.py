@@ -79,7 +79,7 @@ def _remembered() -> Dives:
 
 
 def _refuse_unchecked(prepared: Prepared, force: bool, as_json: bool) -> Proved | None:
-    """What is proved."""
+    """Returns what the check proved, None with ``--force`` where it refuses. Exit 1 otherwise."""
     from mission.authoring.check.show import as_object, as_text
     from mission.authoring.prepare import check_prepared
 

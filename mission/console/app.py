@@ -109,7 +109,7 @@ class _Console:
         return JSONResponse({**await self._ghosts.planned(said, vehicle), "digest": plan["digest"]})
 
     async def doctor(self, request: Request) -> Response:
-        """Of a vehicle under way: what its file says of it."""
+        """Returns the doctor's findings in the vehicle file of a vehicle under way."""
         one = self._shown.get(request.path_params["ident"])
         name = one.given.vehicle or one.plan()["vehicle"] if isinstance(one, Vehicle) else ""
         return JSONResponse(await asyncio.to_thread(plans.of_vehicle, name) if name else [])

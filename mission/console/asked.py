@@ -30,8 +30,8 @@ class Refused(Exception):
 
 
 async def worked(work: Callable[P, T], *args: P.args, **more: P.kwargs) -> T:
-    """Done beside the loop. Of the loop's own threads, which are few, vehicles live: their names
-    are looked up there, and what is uploaded is judged."""
+    """Runs ``work`` in threads of the console's own. The few threads of the event loop are left to
+    the vehicles, for looking up names and judging uploads."""
     return await asyncio.get_running_loop().run_in_executor(_workers, lambda: work(*args, **more))
 
 

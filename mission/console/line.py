@@ -190,7 +190,7 @@ class Line:
             link.close()
 
     def _turn(self, link: Link, now: float) -> None:
-        """Raises LinkError."""
+        """One turn of the loop: hears, steers, says. Raises LinkError."""
         for rx in link.receive(now):
             self._heard = self.answered = now
             if self._job is not None and self._job.begun:
@@ -231,7 +231,8 @@ class Line:
             self._stir.set()
 
     def _finished(self, job: _Job | None) -> _Job | None:
-        """It, while it is not over."""
+        """Returns the job while it goes on; hands over its result and returns None once it is
+        over."""
         if job is None or not job.talk.over:
             return job
         if job.done is not None and not job.done.done():

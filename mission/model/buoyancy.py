@@ -24,7 +24,7 @@ def learn(vehicle: Vehicle) -> str:
 
 
 def rises(vehicle: Vehicle) -> bool:
-    """By itself; what drives on the ground has no need to."""
+    """Whether it rises by itself; True for what drives on the ground and need not."""
     return vehicle.drives or vehicle.ascent_buoyancy > 0.0
 
 

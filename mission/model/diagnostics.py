@@ -131,8 +131,8 @@ def ordered(found: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:
 def shown(found: Sequence[Diagnostic], source: str) -> str:
     """All of them, underlined, and how many they are; ``source`` is the text that was read, "" if
     there was none."""
-    count = len(found)
-    total = f"{source}: " if source else ""
+    count, files = len(found), sorted({d.file or source for d in found})
+    total = f"{', '.join(files)}: " if source and files else ""
     total += f"{count} error{'s' if count != 1 else ''}"
     if count >= PROBLEMS.most:
         total += "; reading ended there, there may be more"

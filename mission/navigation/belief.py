@@ -236,7 +236,8 @@ class DepthBelief:
         return self._slowly(t, sum(newer) / len(newer))
 
     def _slowly(self, t: float, altitude: float) -> float:
-        """The same since the depth stands and nothing drives: 5 cm/s are 3 m in a minute."""
+        """m by which the ground has come nearer since the depth stands and nothing drives, 0 where
+        it has not: 5 cm/s are 3 m in a minute."""
         begun = self._ground_from
         if begun is None or begun[0] < max(self._moved_at, self._still_at):
             self._ground_from = t, altitude

@@ -160,7 +160,7 @@ class SensorHealth:
         self.belief = DepthBelief()
 
     def telemetry(self, t: Telemetry, push: Vertical = UNPUSHED) -> frozenset[str]:
-        """Takes a report in; the channels of it that can be believed."""
+        """Takes a report in; returns the channels of it that can be believed."""
         moving = t.actuators is None or max(map(abs, t.actuators[:5]), default=0.0) > _NEUTRAL
         self.moving = moving
         doubtful = {_channel_of(fault) for fault in t.faults} if t.faults else ()
@@ -185,7 +185,7 @@ class SensorHealth:
         return frozenset(good)
 
     def _compare(self, t: Telemetry, depth: float, push: Vertical) -> None:
-        """The depth with what else is known; what is absurd or frozen by itself is not worth it: it
+        """Compares the depth with what else is known. An absurd or frozen depth is left out: it
         would speak against the sensor when that has come back."""
         monitor, altimeter = self.monitors["depth"], self.monitors["altitude"]
         if monitor.reason:

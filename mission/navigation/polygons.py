@@ -101,7 +101,8 @@ def sigmas(polygon: Polygon, point: Point, covariance: Covariance) -> float:
         return far / most if most > _FINE else (math.inf if far > 0.0 else 0.0)
 
     def white(corner: Point) -> Point:
-        """By the Cholesky factor: round, with a sigma of 1."""
+        """The corner in whitened coordinates (Cholesky factor of the covariance): there the ellipse
+        is a circle with a sigma of 1."""
         north = (corner[0] - point[0]) / spread
         return north, (corner[1] - point[1] - ne / spread * north) / across
 

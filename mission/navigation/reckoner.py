@@ -196,7 +196,8 @@ class Reckoner:
         )
 
     def _lost(self, t: float) -> float:
-        """Up to the last heading by how far apart it is from the one before, half way."""
+        """Extra heading variance times its correlation time, rad^2 s: loss(t)^2 * _LOST_TIME, with
+        ``heading_loss``. Up to the last heading it is taken half-way between the last two."""
         m = self._motion
         loss = self.heading_loss(t if t > m.heading_t else m.heading_t + 0.5 * m.gap)
         return loss * loss * _LOST_TIME
@@ -220,7 +221,7 @@ class Reckoner:
         return min(abs(self._propulsion.speed) / _UNDER_WAY, 1.0)
 
     def decline(self, change: float) -> None:
-        """Another declination is no turn of the vehicle."""
+        """Turns the last heading by a change of the declination, so that it counts as no turn."""
         heading = self._motion.heading
         if heading is not None:
             self._motion = self._motion._replace(heading=heading + change)
@@ -236,7 +237,8 @@ class Reckoner:
         self.settle()
 
     def settle(self) -> None:
-        """There is no way back to before this: another frame, or another current."""
+        """Forgets the filter that was kept to go back to: the frame or the current is another
+        now."""
         self._before = None
 
     def _fix(self, f: GroundFix) -> None:
@@ -271,7 +273,8 @@ class Reckoner:
         return True
 
     def _goes_back(self, f: GroundFix) -> bool:
-        """To what is remembered, if ``f`` fits that: as far as it can have moved since."""
+        """Restores the remembered filter and returns True, if ``f`` fits it with as much added as
+        the vehicle can have moved since."""
         if self._before is None or f.t - self._before[0] > _MEMORY:
             return False
         (began, before), now = self._before, self.filter.save()

@@ -33,6 +33,7 @@ from reprlib import Repr
 from typing import Any
 
 from mission.model.diagnostics import Diagnosed, Diagnostics, Stage, whole
+from mission.model.likeness import suggestion
 from mission.model.plain import UNSAID
 from mission.model.texts import NOWHERE, Where
 from mission.model.units import UnitError, quantity, range_text
@@ -154,7 +155,7 @@ class _Tables:
             at_key, at_value = self.places.get(path, (Where(1, 1), Where(1, 1)))
             if key not in keys:
                 message = ": ".join([*above, f"unknown key {shown(key)}"])
-                self.found.add("unknown-word", at_key, message, f"there are {', '.join(keys)}")
+                self.found.add("unknown-word", at_key, message, _instead(str(key), keys))
             elif isinstance(keys[key], Mapping):
                 values[key] = self._table(value, keys[key], path, at_value)
             else:
@@ -185,6 +186,24 @@ class _Tables:
             what, _, instead = str(error).partition("; ")
             hint = instead or f"default: {_default(path)}"
             self.found.add("value", where, ": ".join([*path, what]), hint)
+
+
+_BROUGHT = {
+    "baud": "links: {vehicle: serial:///dev/serial0?baud=9600}",
+    "port": "links: {topside: tcp-listen://127.0.0.1:4000}",
+}
+
+
+def _instead(key: str, keys: Mapping[str, Any]) -> str:
+    """What to write for a key that there is not: where it belongs, or the nearest."""
+    above = next(
+        (k for k, below in keys.items() if isinstance(below, Mapping) and key in below), ""
+    )
+    if above:
+        return f"it stands below {above}: write {above}: {{{key}: ...}}"
+    return (
+        f"write {_BROUGHT[key]}" if key in _BROUGHT else suggestion(key, tuple(keys), "there are")
+    )
 
 
 def _default(path: tuple[str, ...]) -> str:

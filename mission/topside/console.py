@@ -126,7 +126,7 @@ def _heard(link: Link, now: float) -> Iterator[Rx]:
 
 
 def patient(url: str) -> str:
-    """With as long for a handshake as the monitor allows: a thin radio needs half a minute."""
+    """Gives the handshake as much time as the monitor allows: a thin radio needs half a minute."""
     if not url.startswith("tls://") or "handshake=" in url:
         return url
     return f"{url}{'&' if '?' in url else '?'}handshake={HANDSHAKE_S}"

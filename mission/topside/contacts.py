@@ -29,7 +29,7 @@ class Contacts:
         self.silent_s = SILENT_UNDER_WATER_S if to.startswith(PREFIX) else SILENT_S
 
     def remember(self, watched: Watched, now: float) -> None:
-        """Now and then, for whoever has to search."""
+        """Keeps the last contact every few seconds, for whoever has to search."""
         if watched.at is None or not self._to or now < self._kept + KEEP_S:
             return
         self._kept = now
@@ -43,7 +43,7 @@ class Contacts:
         return standing(Condition(silent=silent if gone else None, overdue=late))
 
     def _dive(self, watched: Watched, now: float, is_heard: bool) -> Dive:
-        """With the contact of now, which is not kept each time."""
+        """The dive with the newest contact, which is not written to disk each time."""
         dive = self.dives.of(self._to)
         return heard(dive, _contact(watched, now)) if is_heard and watched.at is not None else dive
 

@@ -110,7 +110,7 @@ class Helm:
         return moving + still  # what moves first: it may take over an emergency
 
     def _lower(self) -> list[bytes]:
-        """While the verticals may still be on; the last of the end says it once more."""
+        """Ends the verticals while they may still be on, once more with the last word."""
         told = [LEVEL] if self._lifted else []
         if not self._driving and not self._ends:
             self._lifted = False

@@ -83,7 +83,7 @@ class Watched:
             self.plan = (*self.plan, line) if line else ()
 
     def _new(self, events: Sequence[str]) -> Sequence[str]:
-        """From the first that was not told before on all are new."""
+        """Returns the events that were not told before: all from the first new one on."""
         for number, line in enumerate(events):
             if not self._told_before[line]:
                 self._told_before.clear()

@@ -75,7 +75,7 @@ def order(
 
 
 def _look(which: Order, looks: int) -> Generator[Ask, Answer | None, Seen]:
-    """Until it is shown, or so often."""
+    """Asks for reports until one shows the order obeyed, or as often as it may."""
     judge = _stopped if which is Order.STOP else _surfaced
     first = yield from _report()
     seen, fresh = Seen(None, "no report of the vehicle has come since"), list[Status]()

@@ -113,7 +113,7 @@ class Conversation(Scripted):
         return None if self.over else self._due
 
     def handle_timer(self, now: float) -> list[bytes]:
-        """Once more, or no answer."""
+        """Sends the request again when its time is over, or ends the script with NoAnswer."""
         if self.over or self._ask is None or now < self._due:
             return []
         if self._tries < self._ask.tries:

@@ -7,13 +7,17 @@ from engine_world import World, flying, leg, mission, sets
 
 from mission.engine.clearance import DEEPER_AFTER, ECHOES_MISSED, Clearance
 from mission.legs import Goto
-from mission.model import Local, Safety
+from mission.model import Estimate, Health, Local, NavigationMode, Safety
 from mission.model.shipped import load_vehicle
 from mission.model.vehicle import Vehicle
 from protocol.messages import Setpoint
 
 KEPT = sets(surge=0.5, heading=0.0, depth=8.0, altitude=3.0)
 FLOOR = (("floor", 10.0),)
+ESTIMATE = Estimate(
+    *(0.0, 0.0, 0.0, 2.0, 0.0, None, 0.0, 1.0, 0.0, 0.0, (1.0, 0.0, 1.0)),
+    *({}, None, None, NavigationMode.FIX),
+)
 
 
 def over(bottom: float, *, depth: float = 2.0, **more: object) -> World:
@@ -172,3 +176,57 @@ def test_a_copy_goes_on_as_the_original_would():
     assert kept.clone().told(Setpoint(depth=9.0, altitude=1.0), state) == kept.told(
         Setpoint(depth=9.0, altitude=1.0), state
     )
+
+
+# --- to the number ------------------------------------------------------------------------------------
+
+
+BOTH = Setpoint(surge=0.5, heading=0.0, depth=8.0, altitude=3.0)
+
+
+class Below:
+    """What a clearance asks of a vehicle 2 m deep: the bottom that it sees now, m, or None."""
+
+    depth = 2.0
+
+    def __init__(self, now: float, bottom: float | None) -> None:
+        self.now = now
+        height = None if bottom is None else bottom - self.depth
+        self.estimate = ESTIMATE._replace(t=now, depth=self.depth, altitude=height)
+
+    def health(self, sensor: str) -> Health:
+        return Health(True, "", 0.0)
+
+
+def held(*seen: tuple[float, float | None], kept: Setpoint = BOTH) -> list[float | None]:
+    """m, as told at each of these times over such a bottom."""
+    clearance = Clearance(10.0, 1.0)
+    return [clearance.told(kept, Below(*one)).depth for one in seen]  # type: ignore[arg-type]
+
+
+def test_there_has_to_be_room_for_five_seconds():
+    assert held((0.0, 9.0), (1.0, 11.5), (5.9, 11.5), (6.0, 11.5)) == [6.0, 6.0, 6.0, 8.0]
+
+
+def test_room_for_just_what_is_held_is_none():
+    assert held((0.0, 9.25), (1.0, 11.5), (5.0, 11.5), (6.0, 11.5)) == [6.0, 6.0, 6.0, 8.0]
+
+
+def test_the_last_bottom_stands_for_six_seconds():
+    seen = [(0.0, 9.0), (6.0, None), (6.5, None), (11.0, None), (11.5, None)]
+    assert held(*seen) == [6.0, 6.0, 6.0, 6.0, 7.0]
+
+
+def test_a_depth_or_a_height_of_nought_is_one():
+    assert held((0.0, 9.0), kept=Setpoint(depth=0.0, altitude=3.0)) == [0.0]
+    assert held((0.0, 8.0), kept=Setpoint(depth=9.0, altitude=0.0)) == [8.0]
+
+
+def test_a_set_with_one_of_both_is_the_vehicles_own():
+    assert held((0.0, 5.0), kept=Setpoint(depth=8.0)) == [8.0]
+
+
+def test_without_an_estimate_the_assumed_floor_counts():
+    below = Below(0.0, None)
+    below.estimate = None  # type: ignore[assignment]
+    assert Clearance(10.0, 1.0).told(BOTH, below).depth == 7.0  # type: ignore[arg-type]

@@ -205,6 +205,15 @@ def test_what_was_just_let_go_at_the_surface_is_left_so_where_time_is_out():
     assert (world.state, since(world, before)) == (SURFACED, [])
 
 
+def test_a_mission_under_the_stick_at_a_proved_surface_is_stopped_where_time_is_out():
+    world = flying_at(0.2)
+    world.wait(8.0)
+    world.tell(M)
+    before = len(world.actions)
+    world.tell(Ending(now=True))
+    assert (world.state, since(world, before)) == (SURFACED, [Order.STOP])
+
+
 def test_what_has_sunk_again_from_surfaced_is_left_with_thrust_upward():
     world = World()
     world.tell(Restarted(SURFACED))

@@ -136,6 +136,26 @@ def test_what_fights_a_setpoint_is_set_by_hand_under_the_stick_alone(region: str
     assert one.changes(Situation(MANUAL, 0.0, {}, False, False)) == {"hold": 0.0}
 
 
+def test_what_may_not_be_set_by_hand_is_told_with_its_reason() -> None:
+    one = keeper()
+    there = "no output lmp; the vehicle file names: "
+    assert one.why_not("lmp", 1.0, at(IDLE)) == there + "lamp; tilt; weight"
+    assert OutputKeeper(()).why_not("lmp", 1.0, at(IDLE)) == there + "none"
+    assert one.why_not("lamp", 101.0, at(IDLE)) == LAMP.fault(101.0) != ""
+    assert one.why_not("weight", 1.0, at(EMERGENCY)) == one.why_not("lamp", 1.0, at(IDLE)) == ""
+
+
+def test_an_ascent_that_is_watched_names_the_instant_at_which_it_has_gained_too_little() -> None:
+    one = keeper()
+    assert one.next_timer() is None
+    assert one.watch_ascent(7.0, 20.0, True) == ""
+    assert one.next_timer() == 127.0
+    assert one.watch_ascent(126.9, 20.0, True) == ""
+    assert "less than 1 m in 120 s" in one.watch_ascent(127.0, 20.0, True)
+    assert one.watch_ascent(128.0, 20.0, False) == ""
+    assert one.next_timer() is None
+
+
 def test_a_clone_goes_its_own_way() -> None:
     one = keeper()
     two = one.clone()

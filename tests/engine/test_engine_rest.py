@@ -69,7 +69,8 @@ def test_what_sinks_from_rest_is_brought_up_by_thrust_before_it_is_deep(state: s
     sink(world, rate, 20.0)
     assert world.state == SURFACING
     assert world.commands()[-1] == UPWARD
-    assert world.depth <= 2.0 + 4.0 * rate + 1e-9
+    deep = 1.0 if state == SURFACED else 2.0
+    assert world.depth <= deep + 4.0 * rate + 1e-9
 
 
 @pytest.mark.parametrize("state", [*REST, STOPPED])
@@ -289,6 +290,10 @@ def attitude(*reports: tuple[float | None, float | None]) -> Attitude:
         ([(1.0, 170.0), (2.0, 171.0), (1.0, -178.0)], True),  # as the document says pitch
         ([(170.0, 1.0), (171.0, 2.0)], False),
         ([(119.0, 1.0), (118.0, 2.0), (117.0, 1.0)], False),
+        ([(120.5, 1.0), (120.6, 2.0), (120.7, 1.0)], True),
+        ([(180.4, 1.0), (180.3, 2.0), (180.2, 1.0)], True),  # rounded by the wire
+        ([(181.0, 1.0), (180.9, 2.0), (180.8, 1.0)], False),  # no angle
+        ([(170.0, 1.0)] * 9, False),  # it repeats itself
         ([(180.0, 180.0)] * 9, False),  # full scale
         ([(180.0, 0.0), (-180.0, 0.0), (180.0, 0.0)], False),  # one angle
         ([(170.0, 1.0), (900.0, 2.0), (172.0, 1.0), (171.0, 1.0)], False),
@@ -311,6 +316,7 @@ def test_upside_down_is_what_three_reports_that_change_agree_on(reports, over: b
         ([(900.0, 0.0), (1.0, 2.0)], False),
         ([(None, None)] * 3, False),  # a vehicle that reports none
         ([(1.0, 2.0), (None, None)], True),  # it did
+        ([(170.0, 1.0), (None, None)], True),
         ([(1.0, 2.0), (None, None), (None, None)], True),
         ([(1.0, 2.0), (None, None), (1.0, 2.0)], False),
     ],

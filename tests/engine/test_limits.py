@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from dataclasses import replace
-from pathlib import Path
 from random import Random
 
 import pytest
@@ -171,16 +170,6 @@ def test_every_row_says_all_that_a_limit_is(row):
     assert row.acts <= {AUTONOMOUS, IDLE, MANUAL_WAITING, STOPPED, SURFACED}  # else reported (R5)
     assert row.needs <= REPORTS
     assert CASES.keys() == {r.name for r in LIMITS.values()}
-
-
-def test_the_manual_has_the_table_of_limits():
-    manual = (Path(__file__).parents[2] / "docs" / "operation.md").read_text(encoding="utf-8")
-    for row in LIMITS.values():
-        lasts = f"{row.seconds:g} s" if row.seconds else f"{row.samples} samples"
-        lasts = "at once" if lasts == "1 samples" else lasts
-        where = ", ".join(sorted(row.acts))
-        line = f"| {row.name} | {row.source} | {row.bound} | {lasts} | {where} | {row.response.value} |"
-        assert line in manual, line
 
 
 @pytest.mark.parametrize("row", LIMITS.values(), ids=lambda row: row.name)

@@ -10,7 +10,7 @@ from engine_world import M, World, leg, legs_of, mission, sets
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mission.engine.memory import PARTS, Window
+from mission.engine.memory import PARTS, Peak, Window
 from mission.model import Back, Exit, Guard, Not, Trend
 from protocol.messages import StartMission, Telemetry
 
@@ -247,3 +247,15 @@ def test_a_copy_of_the_engine_remembers_by_itself():
     assert legs_of(world)[-1] == "a"
     world.see((5.0, 15.5))
     assert legs_of(world)[-1] == "b"
+
+
+@pytest.mark.parametrize(("highest", "there"), [(False, 13.0), (True, 11.0)])
+def test_a_peak_is_the_highest_or_the_lowest_and_a_copy_of_it_goes_its_own_way(highest, there):
+    peak = Peak(highest)
+    for value, where in ((5.0, 10.0), (4.0, 11.0), (3.0, 12.0), (2.0, 13.0), (1.0, 14.0)):
+        peak.take(value, where)
+    assert peak.there == there
+    copy = peak.clone()
+    for where in (20.0, 21.0, 22.0):
+        copy.take(9.0 if highest else -9.0, where)
+    assert (copy.there, peak.there) == (20.0, there)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 from contracts import keep
@@ -17,6 +18,7 @@ from mission.engine.bounds import in_force
 from mission.engine.limits import LIMITS, Limit
 from mission.engine.monitor import LimitMonitor
 from mission.engine.vehicle_state import VehicleState
+from mission.model import SURFACING
 from mission.model.shipped import load_vehicle
 from mission.onboard.runtime.records import ListRecorder
 from mission.verification.exhaustive.cell import Event
@@ -25,6 +27,7 @@ from mission.verification.exhaustive.world import World as Cell
 from mission.verification.simulation.flight import fly
 from protocol.messages import SetSafety
 
+DOCS = Path(__file__).resolve().parents[2] / "docs"
 BOUND = 2.0  # m
 
 
@@ -92,6 +95,29 @@ def test_it_is_looked_at_answered_recorded_and_replayed_to_the_bit() -> None:
     assert "deeper than 2 m" in flight.legs[0].why
     assert flight.at_surface
     assert replay(recorder.records).identical
+
+
+def test_a_report_without_what_it_needs_takes_nothing_from_its_count_and_adds_nothing() -> None:
+    world = flying(depth=1.0)
+    for metres in (3.0, None, 3.0):
+        world.depth = metres
+        world.wait(2.0)
+    assert world.state == SURFACING
+    world = flying(depth=1.0)
+    for metres in (3.0, 1.0, 3.0):
+        world.depth = metres
+        world.wait(2.0)
+    assert world.state != SURFACING
+
+
+def test_it_is_listed_in_the_manual(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(str(DOCS))
+    from from_code.tables import limits
+
+    row = "| toy depth | depth | 2 m | 2 samples | autonomous | emergency/surfacing |"
+    assert row in limits().split("\n")
+    assert "| voltage | control battery | the voltage in force | 10 s |" in limits()
+    assert "```{from-code} limits" in (DOCS / "operation.md").read_text(encoding="utf-8")
 
 
 def test_a_flight_within_it_is_not_disturbed() -> None:

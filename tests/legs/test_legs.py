@@ -118,7 +118,7 @@ class Coil(LegKind):
 
 
 COIL = LegType(
-    name="coil",
+    name="toycoil",
     kind=Coil,
     description="as a snake does",
     clauses=(
@@ -130,15 +130,15 @@ COIL = LegType(
 
 
 def test_a_leg_type_is_known_for_as_long_as_it_is_registered():
-    text = "mission m\na: coil winding 3 near home hand left for 5\n"
+    text = "mission m\na: toycoil winding 3 near home hand left for 5\n"
     for _ in range(2):
-        with pytest.raises(MissionErrors, match="unknown word 'coil'"):
+        with pytest.raises(MissionErrors, match="unknown word 'toycoil'"):
             parse(text)
         with LEGS.registered(COIL):
             assert parse(text).body[0].kind == Coil(3.0, "home", -1)
             assert parse(to_yaml(parse(text))) == parse(text)
-            assert "coil" in PARTS["grammar"]()
-        assert "coil" not in PARTS["grammar"]()
+            assert "toycoil" in PARTS["grammar"]()
+        assert "toycoil" not in PARTS["grammar"]()
 
 
 def test_the_contract_covers_every_row():

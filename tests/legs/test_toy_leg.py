@@ -233,6 +233,6 @@ def test_every_command_knows_it(tmp_path) -> None:
 def test_what_contradicts_a_leg_type_that_is_there_is_refused() -> None:
     again = replace(WEAVE, clauses=(Measure("radius", "m", 2, 9, "another one"),), kind=LegKind)
     for row, why in ((WEAVE, "registered already"), (again, "weave"),
-                     (replace(again, name="coil"), "radius")):  # fmt: skip
+                     (replace(again, name="toycoil"), "radius")):  # fmt: skip
         with pytest.raises(ValueError, match=why):
             LEGS.register(row)

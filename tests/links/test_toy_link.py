@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 from contracts import keep
+from served import PATIENCE, running
 
 from links import (
     LINKS,
@@ -21,10 +22,13 @@ from links import (
     parse_address,
 )
 from links.base import LinkClosed, Rx
+from mission.analysis.replay.replay import replay
 from mission.cli import main
 from mission.model.shipped import load_vehicle
+from mission.onboard.blackbox import read_records
 from mission.onboard.configuration import Configuration, LinkUrls
 from mission.onboard.rates import rated
+from mission.onboard.runtime.records import RX, TX
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 WAITING: dict[str, socket.socket] = {}
@@ -112,6 +116,24 @@ def test_it_gets_the_rate_of_its_role_where_its_url_tells_none() -> None:
     given = Configuration(links=LinkUrls(vehicle="pipe://yard", gps=None))
     assert rated(given, load_vehicle("rov")).links.vehicle == "pipe://yard?pace=115200"
     assert baud_of("tcp://somewhere:1", 5.0) == 5.0
+
+
+def test_serve_speaks_to_a_board_over_it_and_its_black_box_replays_to_the_bit(
+    tmp_path: Path,
+) -> None:
+    with running(tmp_path, "pipe://yard") as serve, serve.boat() as boat:
+        board = WAITING["yard"]
+        board.settimeout(PATIENCE)
+        boat.sendall(b"@ZAX0$")
+        assert board.recv(64) == b"@ZAX0$"
+        board.sendall(b"@ACK_ZAY$")
+        assert boat.recv(64) == b"@ACK_ZXY$"
+    (path,) = (tmp_path / "log").glob("*.mcap")
+    records = list(read_records(path))
+    said = [(r.kind, r.payload) for r in records if b"ZA" in r.payload and r.kind in (RX, TX)]
+    assert any(kind == RX and b"@ACK_ZAY$" in payload for kind, payload in said)
+    assert any(kind == TX and b"@ZAX0$" in payload for kind, payload in said)
+    assert replay(records).identical
 
 
 def test_it_is_listed_in_the_reference(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import fields
 from pathlib import Path
 
@@ -72,6 +73,26 @@ def test_all_faults_are_told_at_once_with_file_and_key() -> None:
 def test_what_is_no_table_is_refused(text: str) -> None:
     with pytest.raises(ConfigurationError):
         parse_configuration(text)
+
+
+@pytest.mark.parametrize(
+    ("text", "instead"),
+    [
+        ("link: {gps: null}", "did you mean links?"),
+        ("gps: null", "it stands below links: write links: {gps: ...}"),
+        ("baud: 9600", "write links: {vehicle: serial:///dev/serial0?baud=9600}"),
+        ("colour: red", "there are: vehicle, links, folder"),
+        ("links: {modm: null}", "did you mean modem?"),
+    ],
+)
+def test_a_key_that_there_is_not_is_told_with_what_to_write(text: str, instead: str) -> None:
+    with pytest.raises(ConfigurationError) as caught:
+        parse_configuration(text, "serve.yaml")
+    (found,) = caught.value.diagnostics
+    assert "unknown key" in found.message
+    assert found.hint.startswith(instead)
+    written = re.fullmatch(r"write (.*\{vehicle.*)", found.hint)
+    assert written is None or parse_configuration(written[1]).links.vehicle.endswith("baud=9600")
 
 
 def test_a_file_that_is_not_there_is_named(tmp_path: Path) -> None:

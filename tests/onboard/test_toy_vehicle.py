@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +24,7 @@ from mission.cli import main
 from mission.model.shipped import load_vehicle, missions_folder
 from mission.onboard.doctor.boards import board
 from mission.onboard.runtime.records import TX, ListRecorder
+from mission.verification.campaign.draw import Subject, draw
 from mission.verification.simulation.flight import fly
 from protocol.checksum import sum256
 from protocol.codec import Received
@@ -189,6 +191,27 @@ def test_it_is_flown_on_its_own_board_recorded_and_replayed_to_the_bit(
     sent = [record.payload for record in recorder.of(TX)]
     assert any(b">S" in data for data in sent)
     assert replay(recorder.records).identical
+
+
+def test_every_command_takes_it(tmp_path: Path, sled: Path) -> None:
+    path = tmp_path / "m.mission"
+    path.write_text(MISSION)
+    svg = tmp_path / "m.svg"
+    for words in (["check"], ["graph", "-o", str(svg)], ["plan", "-o", str(svg)], ["convert"]):
+        given = [] if words[0] == "convert" else ["--vehicle", str(sled)]
+        ran = CliRunner().invoke(main, [*words, str(path), *given])
+        assert ran.exit_code == 0, (words, ran.output)
+
+
+def test_the_campaign_draws_flights_of_it_with_what_can_fail_of_it(
+    tmp_path: Path, sled: Path
+) -> None:
+    made = replace(prepared(tmp_path, sled).mission, vehicle="sled")
+    plans = [draw(0, n, [Subject(tmp_path / "m.mission", made, 120.0)], 0.0) for n in range(40)]
+    drawn = {fault.name for plan in plans for fault in plan.settings.faults}
+    assert drawn
+    assert drawn <= set(LINE)
+    assert any(plan.incidents for plan in plans)
 
 
 def test_it_keeps_the_contract_of_vehicles() -> None:

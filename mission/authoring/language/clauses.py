@@ -93,7 +93,7 @@ class Negation:
 
 @dataclass(frozen=True, slots=True)
 class Several:
-    """``every`` for and, else or."""
+    """Guards joined by ``and`` (``every``) or by ``or``."""
 
     every: bool
     operands: tuple[ExpressionText, ...]
@@ -137,7 +137,7 @@ class Guarded:
 
 @dataclass(frozen=True, slots=True)
 class Places:
-    """One, or none for loiter and its like; follow and its like: any number."""
+    """The places behind a word: one for goto, none or one for loiter, any number for follow."""
 
     word: Name
     places: tuple[PlaceText, ...]

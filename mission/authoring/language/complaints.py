@@ -202,6 +202,8 @@ def _by_shape(misfit: _Misfit) -> Complaint | None:
     if re.match(r"\d+:\d", at):
         hint = "write 90 s, 1.5 min or 2 h"
         return misfit.says("clock-time", "times are written with a unit", hint)
+    if at.startswith("=>") and "OPERATOR" in misfit.expected:
+        return Complaint("comparison", misfit.offset, 2, "at least is written >=", "write >=")
     if at.startswith("=>"):
         return Complaint("arrow", misfit.offset, 2, "an arrow is written ->", _TARGETS)
     if part == "=" and misfit.before in SETTINGS and "OPERATOR" not in misfit.expected:

@@ -3,6 +3,7 @@
     LEG       in a leg or at the start of a line      lawnmower -> rows 4 bearing 90 ...
     SAFETY    behind safety                           battery -> voltage 11
     TOP       keys of a YAML mission                  steps -> legs
+    HANDLER   keys of a handler in YAML               then -> do
 
 The words of a line; ``as_key`` says the same as a YAML key.
 """
@@ -18,6 +19,7 @@ from mission.authoring.language.words import LIMITS, leg_words
 _GO = "until depth > 5 -> name"
 _ROWS = "rows 4 bearing 90 length 100 spacing 20"
 _LOITER = "loiter home radius 20"
+_KIND = "goto home or loiter home radius 20"
 
 LEG: Mapping[str, str] = MappingProxyType(
     {
@@ -25,6 +27,7 @@ LEG: Mapping[str, str] = MappingProxyType(
         "ascend": "surface",
         "attitude": "pitch 5 roll -3",
         "back": "gear -4",
+        "battery": "until battery < 11 -> name",
         "circle": _LOITER,
         "course": "heading 90",
         "dive": "depth 5",
@@ -33,6 +36,7 @@ LEG: Mapping[str, str] = MappingProxyType(
         "heave": "up 4 or down 4",
         "hover": "gear 0",
         "if": _GO,
+        "kind": _KIND,
         "lawnmower": _ROWS,
         "loop": "repeat 3 name:",
         "max_time": "timeout 60s",
@@ -49,6 +53,7 @@ LEG: Mapping[str, str] = MappingProxyType(
         "thrust": "gear 4",
         "track": "follow home, north 10 east 20",
         "turn": "left 4, right 4 or heading 90",
+        "type": _KIND,
         "velocity": "speed 0.5",
         "waypoint": "goto north 10 east 20",
         "waypoints": "follow home, north 10 east 20",
@@ -86,6 +91,22 @@ TOP: Mapping[str, str] = MappingProxyType(
         "steps": "legs",
         "tasks": "legs",
         "waypoints": "legs",
+    }
+)
+HANDLER: Mapping[str, str] = MappingProxyType(
+    {
+        "action": "do",
+        "condition": "when",
+        "duration": "held",
+        "else": "do, in a handler of its own",
+        "event": "when",
+        "for": "held",
+        "goto": "do",
+        "guard": "when",
+        "if": "when",
+        "on": "when",
+        "then": "do",
+        "until": "when",
     }
 )
 PLACE: Mapping[str, str] = MappingProxyType(

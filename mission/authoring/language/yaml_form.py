@@ -202,7 +202,8 @@ class _Form:
             hint = "write - name: {...}, one name to each item of legs"
             if items:
                 message = "a leg is one name with its keys below"
-                self._problems.add("leg-form", items[-1][0].where, message, hint)
+                odd = items[isinstance(items[0][1], MappingNode)][0]  # the first that is no leg
+                self._problems.add("leg-form", odd.where, message, hint)
             return
         name, inner = items[0]
         keys = [key.value for key, _ in inner.value] if isinstance(inner, MappingNode) else []
@@ -323,7 +324,8 @@ class _Form:
     def _handler(self, node: Node) -> Iterator[Statement]:
         items = self._nodes.items(node, HANDLER_KEYS, "a handler")
         keys = {key.text: value for key, value in items}
-        for missing in (key for key in ("when", "do") if key not in keys and items):
+        brought = {elsewhere.HANDLER.get(key.value) for key, _ in node.value} if items else ()
+        for missing in (k for k in ("when", "do") if items and k not in {*keys, *brought}):
             hint = "write {when: battery < 11 V, do: up}"
             self._problems.add("missing-word", where_of(node), f"a handler needs {missing}", hint)
         if "when" not in keys or "do" not in keys:

@@ -24,7 +24,12 @@ _AMOUNT = re.compile(r"(-?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?)\s*([A-Za-z/%
 _WORD = re.compile(r"[A-Za-z_][\w-]*\Z")
 _NO_COLON_YET = re.compile(r"\s*(?:- +)?([A-Za-z_][\w-]*) +(\{.*)")
 _NO_COLON = re.compile(r"\s*(?:- +)?([A-Za-z_][\w-]*) +([^:#]+)\Z")
-_ELSEWHERE = {"a leg": elsewhere.LEG, "safety": elsewhere.SAFETY, "a mission": elsewhere.TOP}
+_ELSEWHERE = {
+    "a leg": elsewhere.LEG,
+    "safety": elsewhere.SAFETY,
+    "a mission": elsewhere.TOP,
+    "a handler": elsewhere.HANDLER,
+}
 Item = tuple[Name, Node]
 
 

@@ -69,7 +69,7 @@ def convert(cell: Path) -> Converted:
 
 
 def _about(cell: Path) -> dict[str, Any]:
-    """Its first record, in our units."""
+    """The cell's identification record (DSID), with depths and heights in m. Raises ChartError."""
     first = next(features(cell, "DSID"), None)
     if first is None:
         raise ChartError(f"{cell.name}: its first record is cut short: fetch the cell again")

@@ -61,7 +61,8 @@ class Receivers:
 
     def receive(self, rx: Rx) -> list[Fix | FrameFault]:
         """What counts of it."""
-        return list(self._counted(rx.link, self._decoders[rx.link].receive(rx.data, rx.t)))
+        heard = self._decoders[rx.link].receive(rx.data, rx.t)
+        return list(self._counted(rx.link, heard)) if heard else []
 
     def next_timer(self) -> float | None:
         first: float | None = None

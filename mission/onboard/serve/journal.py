@@ -143,7 +143,7 @@ class Journal:
 
 
 def _without_words(step: Step) -> str:
-    """What was decided without a command: which limit acted, or that an ascent goes on."""
+    """The reason of a step that sent no command: which limit acted, or that an ascent goes on."""
     return reason_of(step) if step.trigger in ("limit", "surfaced") else ""
 
 

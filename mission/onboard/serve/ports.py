@@ -196,7 +196,8 @@ class Port:
 
 
 async def _wanted(opening: asyncio.Future[Link]) -> Link:
-    """What a thread opens; closed by itself where nobody waits for it any more."""
+    """Waits for a link that a thread opens; if the waiting is cancelled, the link is closed as soon
+    as it is open."""
     try:
         return await asyncio.shield(opening)
     except asyncio.CancelledError:

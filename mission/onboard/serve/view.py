@@ -120,7 +120,7 @@ def _guard(runtime: Runtime, guard: Guard) -> list[Any]:
 
 
 def _bare(runtime: Runtime, name: str) -> float | None:
-    """None where it is not to be believed now."""
+    """The reading's value in the unit of a bare number; None where it is not to be believed now."""
     reading = runtime.engine.readings[name]
     if not reading.valid or not math.isfinite(reading.value):
         return None

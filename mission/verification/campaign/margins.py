@@ -73,7 +73,8 @@ def _left(used: float, allowed: float) -> float:
 
 
 def _plain(story: Story, begin: float, end: float) -> bool:
-    """No depth sensor excuses, nor anything that keeps the program from its part."""
+    """Whether nothing excuses the flight: neither the depth sensor nor a program kept from its
+    part."""
     return not (story.hindered(begin, end) or story.faulty(DEPTH_FAULTS, begin, end))
 
 
@@ -112,7 +113,7 @@ def _time(story: Story) -> Iterator[float]:
 
 
 def _pauses(story: Story, times: list[float]) -> Iterator[float]:
-    """s without, in each mission."""
+    """The longest pauses without one in each mission, s."""
     for flight in story.flights():
         for begin, end in gaps(times, flight[0].begin, flight[-1].end):
             if not story.hindered(begin, end):
@@ -178,7 +179,7 @@ def _ascent(story: Story) -> Iterator[float]:
 
 
 def _upward(story: Story) -> Iterator[float]:
-    """From when the program lives again after it died under way."""
+    """Margin of the time from a restart under way to the first upward word."""
     for was, dead, stay in zip(story.stays, story.stays[1:], story.stays[2:], strict=False):
         under_way = was.autonomous or was.state == SURFACING
         if dead.state == DEAD and under_way and story.end > stay.begin + _UPWARD:

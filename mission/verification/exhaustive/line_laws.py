@@ -53,7 +53,7 @@ def _only(cell: Cell, state: str, allowed: tuple[bytes, ...]) -> Verdict:
 
 
 def _stopped(cell: Cell) -> Verdict:
-    """Also what was half sent when the X came: nothing of it follows."""
+    """After an X nothing of an earlier set follows, not even the rest of one that was half sent."""
     return _only(cell, STOPPED, (X,))
 
 
@@ -66,7 +66,7 @@ def _surfaced(cell: Cell) -> Verdict:
 
 
 def _gap(cell: Cell) -> Verdict:
-    """Of one life of the program: another one's time begins at 0."""
+    """Frames of one life of the program keep their gap; the next life's time begins at 0."""
     if "restart" in cell.event.causes or len(cell.frames()) < 2:
         return None
     found = crowded(cell.frames())
@@ -112,7 +112,8 @@ def _halves(cell: Cell) -> Verdict:
 
 
 def _paced(cell: Cell) -> Verdict:
-    """Of what acknowledges nothing, from its first frame on."""
+    """A board that acknowledges nothing is told again within its period, from the first frame
+    on."""
     board, said = cell.line.board, cell.world.paced
     if board is None or len(said) < 2 or "restart" in cell.event.causes:
         return None
@@ -121,7 +122,7 @@ def _paced(cell: Cell) -> Verdict:
 
 
 def _carried(cell: Cell) -> Verdict:
-    """Of two bursts the later one begins when the line has carried the earlier one."""
+    """A burst begins when the line has carried the one before it."""
     board = cell.line.board
     if board is None or "restart" in cell.event.causes:
         return None

@@ -25,7 +25,8 @@ def _upward(cell: Cell) -> list[bytes]:
 
 
 def _brought_up(cell: Cell) -> Verdict:
-    """What sinks from rest; while AUTO is closed nothing turns by itself."""
+    """What sinks from rest is brought up, except while AUTO is closed: nothing turns by itself
+    then."""
     if not _rests(cell) or "sinks" not in cell.event.causes:
         return None
     if not cell.configuration.auto:
@@ -37,7 +38,7 @@ def _brought_up(cell: Cell) -> Verdict:
 
 
 def _not_left_below(cell: Cell) -> Verdict:
-    """In stopped: 20 s for the buoyancy, then up."""
+    """In stopped the buoyancy has 20 s; what is still deep then is brought up."""
     c = cell.configuration
     if c.state != STOPPED or not c.auto or cell.event.causes & (_ASKED | {"blind", "limit"}):
         return None

@@ -36,9 +36,10 @@ class LockStep(ABC):
         now, first, act = self.now, math.inf, None
         for due, what in self.dues():
             if due is not None and due < first:
-                first, act = max(due, now), what
-                if first == now:
+                if due <= now:
+                    first, act = now, what
                     break
+                first, act = due, what
         if act is None or first > until:
             return False
         self._at_once = self._at_once + 1 if first == now else 0

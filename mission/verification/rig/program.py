@@ -178,6 +178,8 @@ class Program:
         first = self.runtime.next_timer() if self.runtime else None
         if first is not None:
             first += self._zero
+        if self._navigation_due is self._leaves is None:
+            return first
         for due in (self._navigation_due, self._gone or self._leaves):
             if due is not None and (first is None or due < first):
                 first = due
@@ -206,10 +208,12 @@ class Program:
     # --- as the runtime's observer ----------------------------------------------------------------
 
     def step(self, step: Step) -> None:
-        self._tell_step(replace(step, t=step.t + self._zero))
+        self._tell_step(replace(step, t=step.t + self._zero) if self._zero else step)
 
     def estimate(self, estimate: Estimate) -> None:
-        self._tell_estimate(estimate._replace(t=estimate.t + self._zero))
+        if self._zero:
+            estimate = estimate._replace(t=estimate.t + self._zero)
+        self._tell_estimate(estimate)
 
     def notice(self, text: str) -> None:
         """Not for this one."""

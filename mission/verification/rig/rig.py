@@ -20,7 +20,6 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import partial
 
 from links.base import Link, Rx
-from links.simulated.boards import NoReceiver
 from links.simulated.link import SimulatedVehicle
 from mission.model import Estimate, Step, Tx
 from mission.onboard.runtime.device_switches import LINK as NODES
@@ -68,10 +67,10 @@ class Rig(LockStep):
         self._count = 0  # of what was ever planned: of one time, the first goes first
         self._held: list[Disturbance] | None = None  # what came while the program stands still
         self._unnoticed = False  # the cable is back, and the program has not seen it
-        self._links: tuple[tuple[Link | NoReceiver, Callable[[], None]], ...] = (
-            (sea.vehicle_link, self._hear_vehicle),
-            (sea.gps_link, self._hear_gps),
-            *((link, partial(self._hear_beside, link)) for link in _beside(sea)),
+        self._links: tuple[tuple[Callable[[], float | None], Callable[[], None]], ...] = (
+            (sea.vehicle_link.next_event, self._hear_vehicle),
+            (sea.gps_link.next_event, self._hear_gps),
+            *((link.next_event, partial(self._hear_beside, link)) for link in _beside(sea)),
         )
         program.listen(self.stepped, self.told)
 
@@ -79,7 +78,7 @@ class Rig(LockStep):
 
     def dues(self) -> Sequence[Due]:
         """Bytes before timers: what has arrived by then is known by then."""
-        dues: list[Due] = [(link.next_event(), hear) for link, hear in self._links]
+        dues: list[Due] = [(next_event(), hear) for next_event, hear in self._links]
         if self._planned:
             dues.append((self._planned[0][0], self._do_planned))
         dues += self.operators()

@@ -16,7 +16,7 @@ from links.simulated.geodesy import local
 from links.simulated.link import START, SimulatedVehicle
 from links.simulated.settings import Settings
 from mission.authoring.language import digest, script
-from mission.model import STOPPED, Estimate, Mission, Step, Tx
+from mission.model import STOPPED, Estimate, Mission, Position, Step, Tx
 from mission.onboard.store import Stored
 from mission.onboard.uncollected import uncollected
 from mission.verification.rig.program import FillableStore, Program
@@ -70,6 +70,7 @@ class _Flight(Rig):
         super().__init__(sea, program, operator)
         self.log = FlightLog(mission)
         self._home = sea.position  # of the frame of the estimate
+        self._origin: Position | None = None  # the same, as the frame says it
         self._seen: list[tuple[Home, list[Seen]]] = []  # at each of the log's estimates
         self._longest = LONGEST_S if mission.safety.time is None else 2.0 * mission.safety.time
         self._digest = digest(mission)
@@ -145,8 +146,8 @@ class _Flight(Rig):
     def _frame_home(self) -> Home:
         navigation = self.program.navigation
         frame = None if navigation is None else navigation.frame
-        if frame is not None:
-            origin = frame.origin
+        if frame is not None and frame.origin is not self._origin:
+            self._origin = origin = frame.origin
             self._home = math.radians(origin.latitude_deg), math.radians(origin.longitude_deg)
         return self._home
 
