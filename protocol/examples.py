@@ -64,6 +64,8 @@ _ROWS: tuple[tuple[str, bytes], ...] = (
     ("auv.MS", b"@MS120,-90$"),
     ("auv.MP", b"@MP120,-90$"),
     ("auv.ACK", b"@ACK_NSS$"),
+    ("auv.ACK", b"@ACK_NI1$"),  # Pi, CAMERA, AUTO
+    ("auv.ACK", b"@ACK_RIQ$"),  # CTD, radio, light
     ("auv.ACK", b"@ACK_ZFY$"),
     ("auv.VS", VS),
     ("auv.ZA", b"@ZAF5$"),

@@ -79,6 +79,8 @@ def _document() -> Iterator[str]:
     yield "Frames with binary bytes are delimited by their length, text frames by the first `$`. A"
     yield "candidate that fails costs one byte, and the search goes on at the next. A command with"
     yield "a value out of range is refused whole; of telemetry the field is kept and flagged."
+    yield "Acknowledgements that the STM32 as built prints into an `@SD` are taken out of it, and"
+    yield "read like the report."
     yield ""
     yield from _links()
     vehicle = ""

@@ -7,7 +7,6 @@ What does not live here: what is said (upload). Reads the monotonic clock, for i
 
 from __future__ import annotations
 
-import math
 import select
 import time
 from collections.abc import Callable, Iterator, Sequence
@@ -149,7 +148,3 @@ def observe(url: str, wish: bytes, watched: Watched) -> Iterator[Frame | None]:
             yield from frames or [None]
     finally:
         link.close()
-
-
-def degrees(angle: float | None, places: int) -> float | None:
-    return None if angle is None else round(math.degrees(angle), places)

@@ -65,7 +65,7 @@ def as_object(looked: Looked) -> dict[str, Any]:
         "estimate": _estimate(fix, state),
         "depth_m": own.depth if own else None,
         "altitude_m": own.altitude if own else None,
-        "heading_deg": _degrees(own.heading, 1) if own else None,
+        "heading_deg": bearing(own.heading, 1) if own else None,
         "pitch_deg": _degrees(own.pitch, 1) if own else None,
         "roll_deg": _degrees(own.roll, 1) if own else None,
         "battery_v": batteries[0],
@@ -175,6 +175,12 @@ def _rows(found: Mapping[str, Any]) -> Iterator[str]:
 
 def _aged(words: str, age: float | None) -> str:
     return f"{words}, {ago(age)}" if words == NEW and age is not None else words
+
+
+def bearing(heading: float | None, places: int) -> float | None:
+    """In degrees, 0 to below 360 also where it is rounded. ``heading`` in rad."""
+    rounded = _degrees(heading, places)
+    return None if rounded is None else rounded % 360.0
 
 
 def _degrees(angle: float | None, places: int) -> float | None:

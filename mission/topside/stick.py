@@ -25,10 +25,11 @@ from dataclasses import dataclass, field
 
 from links import open_link
 from links.base import Link, LinkError
-from mission.topside.console import Unreachable, degrees
+from mission.topside.console import Unreachable
 from mission.topside.helm import PERIOD_S, Helm, Push
 from mission.topside.joystick import Joystick
 from mission.topside.keyboard import Keyboard, Wish
+from mission.topside.showing import bearing
 from mission.topside.upload import OperatorError
 from protocol.messages import (
     Ack,
@@ -67,18 +68,20 @@ class Seen:
     def line(self, now: float) -> str:
         own = self.status.telemetry if self.status is not None else None
         depth = "" if own is None or own.depth is None else f"{own.depth:.1f} m deep"
-        heading = None if own is None else degrees(own.heading, 0)
+        heading = None if own is None else bearing(own.heading, 0)
         refusal = self.store.refusal if self.store is not None else ""
+        old = refusal.endswith(" ago")  # R4: it was refused before
         parts = (
             f"gear {self.gear:2}",
             f"sent {self.sent.decode('ascii'):14}",
             f"answer {now - self.answered:.1f} s ago",
             self.stop,  # news first: a narrow terminal shows no more
             self.output,
-            refusal,
+            "" if old else refusal,
             depth,
-            "" if heading is None else f"heading {heading % 360.0:.0f}",
+            "" if heading is None else f"heading {heading:.0f}",
             f"of {self.status.time[11:]}" if self.status is not None and self.status.time else "",
+            refusal if old else "",
         )
         return "  ".join(part for part in parts if part)
 

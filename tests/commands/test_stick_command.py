@@ -22,9 +22,9 @@ from mission.cli import main
 from mission.topside.helm import ENDS, LEVEL, NEUTRAL, PERIOD_S, Helm, Push, mains, verticals
 from mission.topside.joystick import SILENT_S, Joystick, Layout
 from mission.topside.keyboard import FIRST_S, NEXT_S, Keyboard, Switch, Wish
-from mission.topside.stick import LOST_S, Lost, Stick
+from mission.topside.stick import LOST_S, Lost, Seen, Stick
 from protocol.framing import Frame
-from protocol.messages import Manual, SetOutput
+from protocol.messages import Manual, SetOutput, Status, StoreReport, Telemetry
 from protocol.topside import TopsideCodec, encode
 from protocol.vehicles import frame_types
 
@@ -37,6 +37,22 @@ def said(helm: Helm, seconds: float, begin: float = 0.0) -> list[tuple[float, by
     """Every word of so long, with the time it left, to a twentieth."""
     steps = [begin + n / 100 for n in range(round(seconds * 100))]
     return [(round(round((t - begin) * 20) / 20, 2), word) for t in steps for word in helm.words(t)]
+
+
+# --- what the line shows ---------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("refusal", "first"), [("AO: no lamp; 35 s ago", 0), ("AO: no lamp", 1)])
+def test_what_was_refused_before_stands_behind_what_comes_back_now(
+    refusal: str, first: int
+) -> None:
+    """A narrow terminal shows no more than the beginning."""
+    seen = Seen(status=Status(None, None, Telemetry(0.0, depth=1.5, heading=6.2831)))
+    seen.store = StoreReport("ready", 1, 1, "", "", refusal)
+    parts = seen.line(0.0).split("  ")
+    order = [parts.index("1.5 m deep"), parts.index(refusal)]
+    assert order[first] < order[1 - first]
+    assert "heading 0" in parts
 
 
 # --- what a hand becomes -------------------------------------------------------------------------

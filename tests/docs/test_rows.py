@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import re
+from pathlib import Path
+
 import pytest
-from from_code.rows import BY_HAND, DOCUMENTS, NOBODY, TOOLS, UP, rows
+from from_code.rows import BY_HAND, DERIVED, DOCUMENTS, NOBODY, TOOLS, UP, rows
 
 from protocol.examples import examples
 from protocol.vehicles import frame_types
 from protocol.vehicles.robot import COMMANDS
+
+ROOT = Path(__file__).parents[2]
 
 
 @pytest.fixture(scope="module")
@@ -23,11 +28,20 @@ def test_every_frame_and_every_field_of_it_is_a_row(table: list[tuple[str, ...]]
         if example.type in ("auv.ZA", "robot.DOWN"):
             continue
         values = frame_types()[example.type].decode(example.raw)
-        derived = {"flags", "effective", "valid_bits"}
-        if example.type != "auv.ACK":  # its masks have other names
-            assert {(example.type, name) for name in values if name not in derived} <= shown
+        assert {(example.type, name) for name in values if name not in DERIVED} <= shown
     robot = [field for frame, field in shown if frame == "robot.DOWN"]
     assert len(robot) == len(COMMANDS)
+
+
+def test_an_acknowledgement_has_its_masks_among_its_rows(table: list[tuple[str, ...]]) -> None:
+    shown = {field.strip("`") for frame, field, *_ in table if frame == "`auv.ACK`"}
+    assert shown == {"class", "func", "ok", "mask", "nodes", "sensors", "code"}
+
+
+def test_a_file_that_is_said_to_test_a_row_is_there(table: list[tuple[str, ...]]) -> None:
+    files = {path.stem for path in (ROOT / "tests").rglob("test_*.py")}
+    named = {name for row in table for name in re.findall(r"`(test_\w+)`", row[-1])}
+    assert named == {"test_rows_of_documents", "test_every_row_by_hand"} <= files
 
 
 def test_no_cell_is_empty(table: list[tuple[str, ...]]) -> None:

@@ -5,8 +5,10 @@ from __future__ import annotations
 import json
 import threading
 import time
+from collections import Counter
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from datetime import date
 from pathlib import Path
 from typing import Any
@@ -15,6 +17,7 @@ import pytest
 from click.testing import CliRunner
 from served import PATIENCE, read_now, running, silent_board, simulated, soon
 
+from links import open_link
 from links.simulated.boards import BOARDS as SIMULATED
 from links.simulated.boards import SimulatedBoard
 from links.simulated.pty import PtyVehicle
@@ -102,6 +105,26 @@ def test_with_a_serve_nobody_is_told_to_check_what_the_vehicle_never_reports(
 def test_a_sign_is_turned_by_a_key_where_the_vehicle_file_has_one(name: str, says: str) -> None:
     (down, *_) = signs.probes_of(load_vehicle(name))
     assert says in signs.turned(down, name)
+
+
+def test_where_the_vehicle_has_two_boards_each_is_told_its_own_frames(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pytest.importorskip("can", reason="python-can is not installed: pip install auvmission[can]")
+    vehicle = load_vehicle("mainboard")
+    short = tuple(replace(probe, seconds=0.2) for probe in signs.probes_of(vehicle))
+    monkeypatch.setattr(signs, "REST_S", 0.2)
+    monkeypatch.setattr(signs, "probes_of", lambda _vehicle: short)
+    url = f"can://{tmp_path.name}?interface=virtual"
+    bus = open_link("board", url)
+    with silent_board() as (master, device):
+        found = list(signs.sign_findings(f"{url}&sensors={device}", vehicle))
+        line = read_now(master)
+    told = Counter(rx.data[:3] for rx in bus.receive(0.0))
+    bus.close()
+    assert [one.says for one in found] == ["no depth in the reports", "no heading in the reports"]
+    assert set(told) == {b"\0\1\7", b"\0\2\7"}, "force and torque"
+    assert line.count(b"\xfe\xef") == line.count(b"\xfd\xdf") == told[b"\0\1\7"]
 
 
 @pytest.mark.parametrize("word", ["--ask", "--signs"])

@@ -13,7 +13,7 @@ from typing import Any
 
 import pytest
 from every_output import with_every_output
-from from_code.rows import BY_HAND, DOWN, NOBODY, another, fields, written
+from from_code.rows import BY_HAND, DOWN, NOBODY, RELAYED, SAID, TO_BOARDS, another, written
 from programs import run
 from served import read_now, silent_board
 from test_other_vehicles import CORE
@@ -49,7 +49,7 @@ WIRES = {  # what the board of a codec hears
 }
 KEYS = {"coreboard": {"angle_error_deg": "5"}}  # what is said by its file alone
 STICK = (b"@MMF6$", b"@MMB6$", b"@MRR3$", b"@MRL3$", b"@MMU6$", b"@MMD6$")
-RELAYED: Mapping[str, tuple[Mapping[str, Any], ...]] = {  # to the AUV's STM32
+WORDS: Mapping[str, tuple[Mapping[str, Any], ...]] = {  # relayed to the AUV's STM32
     "RS": ({"switches": "OOOOOOC"}, {"switches": "OOOOOCO"}),
     "RI": ({},),
     "D": ({"mode": "S", "servo": 1, "angle": -15}, {"mode": "A", "servo": 2, "angle": 3}),
@@ -144,7 +144,7 @@ def heard(name: str) -> Heard:
 
 def _by_words(name: str) -> list[Tx]:
     person = Person(with_all(name))
-    for word, every in RELAYED.items() if name == "auv" else ():
+    for word, every in WORDS.items() if name == "auv" else ():
         for values in every:
             person.says(encode(command(word, values)), 1.0)
     for channel in sorted(VEHICLES[name].channels, key=lambda c: bool(c.excludes)):
@@ -175,16 +175,12 @@ def _to_vehicle(sent: Any) -> list[Tx]:
     return [tx for tx in sent if tx.link == "vehicle"]
 
 
-TO_BOARDS = {**DOWN, **dict.fromkeys((f"auv.{word}" for word in RELAYED), "auv")}
-ROWS = [(name, row) for name in TO_BOARDS for row, _ in fields(frame_types()[name]) if row != "at"]
-
-
 def alone(frame: str, row: str) -> bool:
     """The docs say why no word and no mission leads to it."""
     return row in NOBODY.get(frame, {}) or written(frame, row) == BY_HAND
 
 
-@pytest.mark.parametrize(("frame", "row"), ROWS)
+@pytest.mark.parametrize(("frame", "row"), SAID)
 def test_a_row_to_a_board_is_said_by_words_and_missions_and_read_on_its_wire(
     frame: str, row: str
 ) -> None:
@@ -197,12 +193,16 @@ def test_a_row_to_a_board_is_said_by_words_and_missions_and_read_on_its_wire(
         assert len(values) > 1
 
 
+def test_every_word_that_is_relayed_is_said() -> None:
+    assert set(WORDS) == set(RELAYED)
+
+
 @pytest.mark.parametrize("flag", ["hold_heading", "hold_depth"])
 def test_the_flags_of_the_rov_are_read_set_and_at_rest(flag: str) -> None:
     assert heard("rov")["rov.DOWN", flag] == {"0", "1"}
 
 
-@pytest.mark.parametrize(("frame", "row"), [r for r in ROWS if r[0] in DOWN])
+@pytest.mark.parametrize(("frame", "row"), [r for r in SAID if r[0] in DOWN])
 def test_a_row_to_a_board_is_said_straight_to_a_free_port_and_read_there(
     frame: str, row: str
 ) -> None:

@@ -41,6 +41,8 @@ AUV = [
     ("auv.ACK", "auv.to_topside", b"@ACK_NI$$"),
     ("auv.ACK", "auv.from_stm32", b"@ACK_RSS$"),
     ("auv.ACK", "auv.from_stm32", b"@ACK_RI@$"),
+    ("auv.ACK", "auv.to_topside", b"@ACK_NI1$"),
+    ("auv.ACK", "auv.from_stm32", b"@ACK_RIQ$"),
     ("auv.ACK", "auv.from_stm32", b"@ACK_ZFY$"),
     ("auv.VS", "auv.to_topside", VS),
     ("auv.AR", "auv.to_topside", b"@AR,staging,9,5,3-5.9,0123456789abcdef,line 3: no bound,$"),

@@ -9,7 +9,7 @@ import pytest
 
 from mission.model.alarms import ALARMS, mask_of
 from mission.topside.looking import Looked
-from mission.topside.showing import UNTOLD, alarms_in, as_lines, as_object, contact_of
+from mission.topside.showing import UNTOLD, alarms_in, as_lines, as_object, bearing, contact_of
 from protocol.messages import Fix, StateReport, Status, StoreReport, Telemetry
 
 STATE = StateReport(
@@ -43,6 +43,13 @@ def test_every_value_of_the_boards_has_the_age_of_its_report() -> None:
     assert "depth_m      3.2   1 s ago" in text
     assert "heading_deg  57.3   1 s ago" in text
     assert "OLD" not in text
+
+
+def test_a_heading_that_is_rounded_up_to_north_is_shown_as_north() -> None:
+    own = Telemetry(0.0, heading=math.radians(359.97))
+    seen = Status("2025-01-01T00:00:00", None, own)
+    assert as_object(Looked(seen, seen, STORE, 0, STATE))["heading_deg"] == 0.0
+    assert [bearing(math.radians(a), 0) for a in (0.4, 359.4, 359.5)] == [0.0, 359.0, 0.0]
 
 
 def test_the_last_fix_is_marked_with_its_age_and_the_estimate_is_beside_it() -> None:

@@ -110,7 +110,8 @@ def _say(link: Link, board: SilentBoard, effort: Setpoint, seconds: float) -> li
     heard: list[Telemetry] = []
     begun = time.monotonic()
     while (now := time.monotonic()) < begun + seconds:
-        link.send(b"".join(board.encode(effort)), now)
+        for frame in board.encode(effort):  # each by itself: they may go to several boards
+            link.send(frame, now)
         due = now + board.period
         for data, t in listened(link, lambda due=due: time.monotonic() >= due):  # type: ignore[misc]
             heard += [one for one in board.receive(data, t) if isinstance(one, Telemetry)]

@@ -119,9 +119,11 @@ class _Auditor:
         if step.entered:
             self._state = step.entered[-1]
         for command in commands_of(step):
-            holds = isinstance(command, Setpoint)
+            held, holds = self._free, isinstance(command, Setpoint)
             self._free = self._loop and holds and _is_held(command)
             self._ask(self._speech.motions(command), step.t)
+            if held:  # a loop that gives up says neutral first (R17)
+                self._before = [*self._before, *self._speech.motions(Setpoint())]
 
     def _sent(self, tx: Tx) -> Iterator[Spurious]:
         said = self._speech.motion(tx.data)

@@ -3,7 +3,7 @@
     safe     within 0.5 s of an emergency every output that can be taken back is said to be safe,
              and stays so while the emergency lasts
     final    what cannot be taken back is set by an @AO alone, or, where the vehicle file arms it,
-             by an ascent of 120 s that has gained nothing
+             by an ascent of 120 s that has gained nothing, or may have: its depth was wrong
 
 The AUV's shipped file names no outputs. What does not live here: who may set what
 (mission.engine.outputs).
@@ -21,6 +21,7 @@ from mission.model import Tx
 from mission.model.regions import EMERGENCY
 from mission.model.vehicle import Output
 from mission.onboard.runtime.runtime import VEHICLE
+from mission.verification.campaign.depth_laws import DEPTH_FAULTS
 from mission.verification.campaign.laws import Violation
 from mission.verification.campaign.story import Stay, Story
 from mission.verification.campaign.surface_laws import UNLAWFUL
@@ -127,10 +128,11 @@ def _ordered(story: Story, output: Output, t: float) -> bool:
 
 def _in_vain(story: Story, t: float) -> bool:
     """An ascent has lasted for the time, and the true depth has not fallen by more than can be
-    read wrongly."""
+    read wrongly, or nobody could know (R7)."""
     since = t - WITHIN
     climbs = all(s.ascends for s in story.stays if s.begin < t and s.end > since)
-    return climbs and story.depth(since) - story.depth(t) < GAINS + _ERROR
+    unknown = story.faulty(DEPTH_FAULTS, since, t)
+    return climbs and (unknown or story.depth(since) - story.depth(t) < GAINS + _ERROR)
 
 
 def _differs(level: float, safe: float) -> bool:

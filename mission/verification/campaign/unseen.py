@@ -17,7 +17,6 @@ _OF_BOARDS: _Reasons = {
         *("stop again", "stop doubted", "line doubted"),
     ),
     "its board repeats the newest, and nothing waits before that": ("relays first", "gap"),
-    "W has the bytes of X0 and U12 there, and another way is left": ("way W",),
     "the check refuses what would be held; test_outer_loop tries it": ("unconfirmed loop",),
 }
 _IN_WATER: _Reasons = {
@@ -44,6 +43,7 @@ _IN_WATER: _Reasons = {
     "a depth has to change first: either holds without it": ("surface behind a restart",),
     staging.UNKNOWN_AT_REST: ("sank unseen",),
     "D12 brings it up before a second round": ("pushed down again",),
+    "W has its bytes there, so that it is none of the ways": ("way U12",),
 }
 _NO_THRUSTERS: _Reasons = {"it reports no thrusters": ("limit brown-out",)}
 _AREAS: _Reasons = {
@@ -68,6 +68,9 @@ _ON_LAND: _Reasons = {
 }
 
 
+_WEIGHT: _Reasons = {
+    "its drop weight brings it up before a round is over": ("way D12", "upside down"),
+}
 _UNCONFIRMED: _Reasons = {
     staging.HOLDS_NOTHING: ("limit no progress", "blind leg"),
     staging.NO_BATTERY: ("limit voltage",),
@@ -88,7 +91,7 @@ UNSEEN: Mapping[str, Mapping[str, str]] = {
     "coreboard": _of(_OF_BOARDS, _IN_WATER, _NO_THRUSTERS, _AREAS),
     "rov": _of(_OF_BOARDS, _IN_WATER, _UNCONFIRMED, _NO_PLACE, _NO_LEAK),
     "robot": _of(_OF_BOARDS, _ON_LAND, _STANDS, _NO_THRUSTERS, _NO_PLACE, _NO_LEAK),
-    "mainboard": _of(_OF_BOARDS, _IN_WATER, _NO_THRUSTERS, _AREAS),
+    "mainboard": _of(_OF_BOARDS, _IN_WATER, _NO_THRUSTERS, _AREAS, _WEIGHT),
 }
 
 

@@ -14,7 +14,7 @@ from mission.model import STOPPED, Step, Tx
 from mission.verification.campaign.draw import body_of
 from mission.verification.campaign.laws import Violation
 from mission.verification.campaign.output_laws import output_laws
-from mission.verification.campaign.scene import X, say
+from mission.verification.campaign.scene import W, X, fault, say
 from mission.verification.campaign.story import Story
 from mission.verification.campaign.surface_laws import UNLAWFUL
 from mission.verification.campaign.trial import try_out
@@ -107,3 +107,18 @@ def test_a_drop_weight_is_let_go_by_an_operator_or_not_at_all(
     dropped = replace(known, t=10.0, data=board.encode(values | {"drop_weight": 1}))
     mixed = tuple(sorted((*events, *said, dropped), key=lambda event: event.t))
     assert {violation.kind for violation in judged("mainboard", mixed)} == kinds
+
+
+@pytest.mark.proof
+def test_a_weight_that_an_ascent_lets_go_because_it_knows_no_depth_is_lawful() -> None:
+    """It rose by metres in truth, and nobody on board could know (R18)."""
+    text, vehicle = trace_of("mainboard")[0], flown("mainboard")
+    usual = Settings(body=body_of("mainboard"))
+    held = (fault("heavy", 34.0, 90.0, 15.0), fault("verticals_dead", 34.0, 90.0))  # for a while
+    frozen = replace(usual, faults=(fault("depth_frozen", 32.0), *held))
+    trace = try_out(parse(text), vehicle, "documented", 3, frozen, (say(34.0, W),))
+    as_it_was, by_a_wrong_reason = (
+        [v.kind for v in output_laws(Story(trace, parse(text), vehicle, "documented", settings))]
+        for settings in (frozen, replace(usual, faults=held))
+    )
+    assert (as_it_was, by_a_wrong_reason) == ([], [UNLAWFUL])
