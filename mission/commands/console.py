@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING, NoReturn
 
 import click
 
-from links import parse_address
 from mission.commands.demo import clear_earlier
+from mission.commands.monitor import beside
 from mission.commands.options import MISSION, SEED, SETTINGS, VEHICLE
 
 if TYPE_CHECKING:
@@ -174,7 +174,7 @@ def _given(
         if named is None:
             raise click.UsageError(f"--to {text}: write e.g. tcp://vehicle:4000, or NAME=URL")
         name, url = named["name"], named["url"]
-        own = monitors[number] if number < len(monitors) else _beside(url)
+        own = monitors[number] if number < len(monitors) else _monitor_of(url)
         found.append(Given(name or _host(url), url, _wanted(own), vehicle, checklist=points))
     return found
 
@@ -187,21 +187,16 @@ def _host(url: str) -> str:
     return url.partition("://")[2].partition("?")[0]
 
 
-def _beside(url: str) -> str:
-    """The monitor at the port after the operator's; "" where there cannot be one."""
+def _monitor_of(url: str) -> str:
+    """At the port after the operator's; "" where there cannot be one."""
     from links.base import LinkError
     from mission.topside.underwater import modem_address
     from mission.topside.upload import OperatorError
 
     try:
-        if modem_address(url) is not None:
-            return ""
-        address = parse_address(url)
+        return "" if modem_address(url) is not None else beside(url, 1)
     except (OperatorError, LinkError) as error:
         raise click.UsageError(str(error)) from None
-    if address.scheme not in ("tcp", "tls") or address.port is None:
-        return ""
-    return url.replace(f":{address.port}", f":{address.port + 1}", 1)
 
 
 def _recording(name: str, seed: int, settings: tuple[str, ...]) -> Recording:
@@ -257,7 +252,7 @@ def _simulated(
             events.ignore()
             _begin(to, prepared, click.echo)
             name = f"simulated {Path(named).stem}"
-            yield Given(name, to, _beside(to), vehicle, speed, points, simulated=True)
+            yield Given(name, to, _monitor_of(to), vehicle, speed, points, simulated=True)
     except (DemoError, OperatorError) as error:
         _end(str(error), 1)
 

@@ -12,6 +12,17 @@ from mission.commands.options import LinkUrl
 MONITOR = "tcp://127.0.0.1:4001"
 
 
+def beside(url: str, ports: int) -> str:
+    """The monitor's port is the one after the operator's. "" where there is no port of a host.
+    Raises LinkAddressError."""
+    from links import parse_address
+
+    address = parse_address(url)
+    if address.scheme not in ("tcp", "tls") or address.port is None:
+        return ""
+    return url.replace(f":{address.port}", f":{address.port + ports}", 1)
+
+
 @click.command()
 @click.argument("url", type=LinkUrl(), default=MONITOR)
 @click.option(

@@ -187,8 +187,9 @@ def status(to: str, as_json: bool, local: bool, config: Path | None) -> None:
     except SystemExit:
         _show_silence(to, as_json)
         raise
-    _show(found[0], as_json)
-    _remembered().contact(to, contact_of(found[0], time.time()))
+    boat = _remembered()
+    boat.contact(to, contact_of(found[0], time.time()))
+    _show(found[0], boat.of(to).due, as_json)
     if alarms_in(found[0]):
         raise SystemExit(ALARM)
 
@@ -196,20 +197,29 @@ def status(to: str, as_json: bool, local: bool, config: Path | None) -> None:
 def _show_silence(to: str, as_json: bool) -> None:
     """What the boat knows of a vehicle that does not answer."""
     from mission.model.alarms import Condition, standing
-    from mission.topside.overdue import overdue, silent_for
+    from mission.topside.dives import missing
+    from mission.topside.overdue import silent_for
 
-    dive, now = _remembered().of(to), time.time()
-    found = standing(Condition(silent=silent_for(dive, now), overdue=overdue(dive, now)))
+    boat, now = _remembered(), time.time()
+    late = missing(boat.missed(to, now), to, now)
+    found = standing(Condition(silent=silent_for(boat.of(to), now), overdue=late))
     if as_json:
         click.echo(json.dumps({"alarms": [asdict(alarm) for alarm in found]}))
     else:
         click.echo("\n".join(f"ALARM {alarm}" for alarm in found))
 
 
-def _show(looked: Looked, as_json: bool) -> None:
+def _show(looked: Looked, up_by: float | None, as_json: bool) -> None:
+    """``up_by``: s since 1970 UTC, as the boat knows it."""
+    from mission.topside.overdue import moment
     from mission.topside.showing import as_lines, as_object
 
-    click.echo(json.dumps(as_object(looked)) if as_json else "\n".join(as_lines(looked)))
+    if as_json:
+        click.echo(json.dumps({**as_object(looked), "up_by": up_by}))
+        return
+    click.echo("\n".join(as_lines(looked)))
+    if up_by is not None:
+        click.echo(f"{'up by':12} {moment(up_by, time.time())}")
 
 
 def _status_here(config: Path | None, as_json: bool) -> None:

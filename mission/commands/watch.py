@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from mission.commands.monitor import MONITOR
-from mission.commands.operator import TO
-from mission.commands.options import SEED, SETTINGS
+from mission.commands.monitor import MONITOR, beside
+from mission.commands.options import SEED, SETTINGS, LinkUrl
 
 if TYPE_CHECKING:
     from mission.model import Record
@@ -18,13 +17,15 @@ if TYPE_CHECKING:
 
 @click.command()
 @click.argument("source", default=MONITOR)
-@TO
+@click.option("--to", type=LinkUrl(), metavar="URL",
+              help="Where the vehicle's Pi listens; default: at SOURCE, the port before the "
+              "monitor's.")  # fmt: skip
 @click.option("--frames", is_flag=True, help="Ask the port of --to, where there is no monitor.")
 @click.option("--speed", default=1.0, show_default=True, help="Of a dive of before, or simulated.")
 @SEED
 @SETTINGS
 def watch(
-    source: str, to: str, frames: bool, speed: float, seed: int, settings: tuple[str, ...]
+    source: str, to: str | None, frames: bool, speed: float, seed: int, settings: tuple[str, ...]
 ) -> None:
     """Watch a vehicle on one screen: alarms, state, leg, place, margins, journal.
 
@@ -39,6 +40,7 @@ def watch(
     except ImportError as error:
         click.echo(f"watch needs Textual: pip install 'auvmission[watch]' ({error})", err=True)
         raise SystemExit(2) from None
+    to = to or beside(source if "://" in source else MONITOR, -1)
     found = _frames(to) if frames else _source(source, speed, seed, settings)
     WatchApp(found, to if found.live else "", default_folder()).run()
 

@@ -108,7 +108,7 @@ async def _say(asked: Asked, what: Script) -> str:
 async def _start(asked: Asked) -> str:
     digest, vehicle = asked.text("digest")[:16], asked.vehicle
     achieved = await _say(asked, _start_only(digest))
-    await asyncio.to_thread(vehicle.contacts.dives.started, vehicle.given.to, digest, time.time())
+    await asyncio.to_thread(vehicle.contacts.started, digest)
     return achieved
 
 

@@ -95,7 +95,7 @@ def shown(prepared: Prepared, drawn: bool = True) -> dict[str, Any]:
         "text": prepared.text,
         "lines": to_lines(mission).count("\n"),
         "svg": picture,
-        "map": None if home is None else plan_geojson(chart, home),
+        "map": None if home is None else plan_geojson(chart, prepared.vehicle, home),
         "home": None if home is None else [home.latitude_deg, home.longitude_deg],
         "radius": min(prepared.vehicle.limits.radius, mission.safety.radius or math.inf),
         "problem": problem,

@@ -64,7 +64,8 @@ class Vehicle:
         self._orders_line = self.commands if self.under_water else Line(given.to)
         self.orders = Orders(self._orders_line)
         self.steering = Steering(self.commands)
-        self.contacts = Contacts(given.to, memory)
+        remembered = "" if given.simulated else given.to  # what is made up is never missed
+        self.contacts = Contacts(remembered, memory, given.vehicle)
         self.checked: dict[str, float] = {}
         self._source = from_monitor(given.monitor, FRAME) if given.monitor else None
         self._looked = Watched()
@@ -74,6 +75,7 @@ class Vehicle:
         self._planned: tuple[str, tuple[str, ...]] | None = None
         self._known: dict[str, dict[str, Any]] = {}  # plans that were uploaded from here
         self._mine: list[dict[str, Any]] = []
+        self._up_by: float | None = None
         self._began = time.monotonic()
 
     # --- what is known -------------------------------------------------------------------------
@@ -135,6 +137,7 @@ class Vehicle:
             "orders": self.orders.as_objects(now),
             "checked": self.checked,
             "plan": self._plan["digest"],
+            "up_by": self._up_by,
         }
 
     @property
@@ -200,6 +203,7 @@ class Vehicle:
                 due = now + 1.0
                 self.contacts.remember(self.watched, now)
                 self._mine = [asdict(a) for a in self.contacts.alarms(self.watched, now, True)]
+                self._up_by = _rounded(self.contacts.due())
             await asyncio.sleep(TICK_S)
 
     async def _follow(self) -> None:

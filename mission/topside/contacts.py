@@ -5,13 +5,15 @@ What does not live here: what is kept (dives), what overdue means (overdue).
 
 from __future__ import annotations
 
+import threading
 import time
 from pathlib import Path
 
+from mission.authoring.prepare import Unreadable, check_prepared, prepare_text
 from mission.model.alarms import Alarm, Condition, standing
-from mission.topside.dives import Dives
+from mission.topside.dives import Dives, missing
 from mission.topside.monitor import Watched
-from mission.topside.overdue import Contact, Dive, contact_with, heard, overdue
+from mission.topside.overdue import Contact, contact_with, plan_of
 from mission.topside.sources import ASK_UNDER_WATER_S
 from mission.topside.underwater import PREFIX
 
@@ -23,9 +25,11 @@ SILENT_UNDER_WATER_S = 2 * ASK_UNDER_WATER_S + SILENT_S  # of the modem: two loo
 class Contacts:
     """``to``: where the vehicle's commands go, by which it is remembered; "": it is not."""
 
-    def __init__(self, to: str, memory: Path) -> None:
+    def __init__(self, to: str, memory: Path, vehicle: str | None = None) -> None:
+        """``vehicle``: a file or a shipped one's name; None: the one that a mission names."""
         self.dives = Dives(memory)
-        self._to, self._kept = to, -KEEP_S
+        self._to, self._kept, self._vehicle = to, -KEEP_S, vehicle
+        self._learned: tuple[str, tuple[str, ...]] = ("", ())  # digest and lines looked at last
         self.silent_s = SILENT_UNDER_WATER_S if to.startswith(PREFIX) else SILENT_S
 
     def remember(self, watched: Watched, now: float) -> None:
@@ -33,22 +37,52 @@ class Contacts:
         if watched.at is None or not self._to or now < self._kept + KEEP_S:
             return
         self._kept = now
+        self._learn(watched)
         self.dives.contact(self._to, _contact(watched, now))
+
+    def started(self, digest: str) -> None:
+        """It has just been started from here."""
+        if self._to:
+            self.dives.started(self._to, digest, time.time())
+
+    def _learn(self, watched: Watched) -> None:
+        """What is proved of a mission that was not uploaded from here, in a thread of its own."""
+        told = digest, lines = str(watched.state.get("mission") or ""), watched.plan
+        if not digest or not lines or told == self._learned:
+            return
+        self._learned = told
+        if not self.dives.knows(digest):
+            threading.Thread(target=self._prove, args=told, daemon=True).start()
+
+    def _prove(self, digest: str, lines: tuple[str, ...]) -> None:
+        """Nothing where it is not all told so far, or of a vehicle that is not known here."""
+        try:
+            prepared = prepare_text("\n".join(lines), "script", self._vehicle)
+        except Unreadable:
+            return
+        proved = check_prepared(prepared).proved
+        if proved is not None and prepared.chart.digest.startswith(digest):
+            self.dives.uploaded(digest, plan_of(prepared, proved))
 
     def alarms(self, watched: Watched, now: float, live: bool) -> tuple[Alarm, ...]:
         """What the boat alone knows: silence, overdue."""
         silent = watched.silence(now) if live else None
         gone = silent is not None and silent > self.silent_s
-        late = overdue(self._dive(watched, now, live and not gone), time.time()) if self._to else ""
+        is_heard = silent is not None and not gone
+        late = "" if is_heard or not (live and self._to) else self._late()
         return standing(Condition(silent=silent if gone else None, overdue=late))
 
-    def _dive(self, watched: Watched, now: float, is_heard: bool) -> Dive:
-        """The dive with the newest contact, which is not written to disk each time."""
-        dive = self.dives.of(self._to)
-        return heard(dive, _contact(watched, now)) if is_heard and watched.at is not None else dive
+    def _late(self) -> str:
+        wall = time.time()
+        return missing(self.dives.missed(self._to, wall), self._to, wall)
+
+    def due(self) -> float | None:
+        """When it is at the surface at the latest, s since 1970 UTC; None: nobody knows."""
+        return self.dives.of(self._to).due if self._to else None
 
 
 def _contact(watched: Watched, now: float) -> Contact:
-    silent = watched.silence(now)
+    silent, begun = watched.silence(now), watched.age("mission_began", now)
     assert silent is not None  # it was heard
-    return contact_with(watched.state, time.time() - silent)
+    wall = time.time()
+    return contact_with(watched.state, wall - silent, None if begun is None else wall - begun)

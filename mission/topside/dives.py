@@ -1,6 +1,13 @@
-"""What the boat remembers between two commands: plans that were uploaded, starts, last contacts.
+"""What the boat remembers between two commands: plans, starts, last contacts, and who is where.
 
-    <folder>/dives.json     {"plans": {digest: Plan}, "boats": {url: Dive}}, the newest ``KEPT``
+    <folder>/dives.json     {"plans": {digest: Plan}, "boats": {address: Dive},
+                             "ways": {address: address}}, the newest ``KEPT`` of each
+
+A vehicle is remembered by the address it was first heard at or started by: a URL without what
+stands behind its ``?``. Other ways lead to the same one: an address at which a vehicle answers that
+is under way with a mission that one vehicle alone is known to be under way with is another way to
+that one, until another mission is told there. So a start by TCP is known by modem, too. Where
+nothing says which vehicle a silent address leads to, it may be any that is under way.
 
 A file that cannot be read or written costs no command: then nobody knows when the vehicle is
 overdue, and the words say so. What does not live here: what follows from it (overdue).
@@ -11,15 +18,22 @@ from __future__ import annotations
 import contextlib
 import json
 import os
+import threading
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from mission.model.plain import from_plain, to_plain
-from mission.topside.overdue import Contact, Dive, Plan, heard
+from mission.topside.overdue import Contact, Dive, Plan, heard, overdue
 
 FILE = "dives.json"
-KEPT = 50  # of plans, and of vehicles
+KEPT = 50  # of plans, of vehicles, and of ways
+DIGITS = 16  # of a digest
+ONE_START_S = 60.0  # what two tell of one start lies within
+SEARCHED_S = 3 * 86400.0  # behind its due time a dive is told on ways that may be another's
+
+Tables = dict[str, dict[str, Any]]
 
 
 def default_folder() -> Path:
@@ -29,37 +43,58 @@ def default_folder() -> Path:
 
 class Dives:
     def __init__(self, folder: Path) -> None:
-        self._file = folder / FILE
+        self._file, self._held = folder / FILE, threading.Lock()
 
     def of(self, url: str) -> Dive:
-        return self._dive(self._read()["boats"].get(url))
+        found = self._read()
+        return _dive(found, _known_by(found, _address(url)))
+
+    def missed(self, url: str, now: float) -> Mapping[str, Dive]:
+        """What a silence there may be of, by its address: the dive that is known to be under way
+        there, else any other."""
+        found = self._read()
+        name = _known_by(found, _address(url))
+        own = _dive(found, name)
+        if own.started is not None:
+            return {name: own}
+        others = {one: _dive(found, one) for one in found["boats"]}
+        return {
+            one: dive
+            for one, dive in others.items()
+            if dive.due is not None and dive.due <= now <= dive.due + SEARCHED_S
+        }
+
+    def knows(self, digest: str) -> bool:
+        return digest[:DIGITS] in self._read()["plans"]
 
     def uploaded(self, digest: str, plan: Plan) -> None:
-        self._keep("plans", digest[:16], to_plain(plan))
+        with self._held:
+            found = self._read()
+            _put(found["plans"], digest[:DIGITS], to_plain(plan))
+            self._write(found)
 
     def started(self, url: str, digest: str, wall: float) -> None:
         """Notes a start. Of a dive that is under way already the time has begun before."""
-        dive, plan = self.of(url), self._plan(digest)
-        going_on = dive.started is not None and dive.plan == plan
-        began = replace(dive, started=dive.started if going_on else wall, plan=plan)
-        self._keep("boats", url, to_plain(began))
+        with self._held:
+            found = self._read()
+            name, plan = _known_by(found, _address(url)), _plan(found, digest)
+            dive = _dive(found, name)
+            going_on = dive.plan == plan and dive.due is not None and wall <= dive.due
+            began = dive.started if going_on else wall
+            dive = replace(dive, started=began, plan=plan, mission=digest[:DIGITS])
+            _put(found["boats"], name, to_plain(dive))
+            self._write(found)
 
     def contact(self, url: str, contact: Contact) -> None:
-        self._keep("boats", url, to_plain(heard(self.of(url), contact)))
+        with self._held:
+            found = self._read()
+            name = _answering(found, _address(url), contact)
+            dive = _begun(found, _dive(found, name), contact)
+            _put(found["boats"], name, to_plain(dive))
+            self._write(found)
 
-    def _plan(self, digest: str) -> Plan | None:
-        found = self._read()["plans"].get(digest[:16])
-        with contextlib.suppress(ValueError, KeyError, TypeError):
-            return from_plain(Plan, found) if found else None
-        return None
-
-    def _dive(self, found: Any) -> Dive:
-        with contextlib.suppress(ValueError, KeyError, TypeError, AttributeError):
-            return from_plain(Dive, found) if found else Dive()
-        return Dive()
-
-    def _read(self) -> dict[str, dict[str, Any]]:
-        empty: dict[str, dict[str, Any]] = {"plans": {}, "boats": {}}
+    def _read(self) -> Tables:
+        empty: Tables = {"plans": {}, "boats": {}, "ways": {}}
         try:
             found = json.loads(self._file.read_text(encoding="utf-8"))
         except (OSError, ValueError):
@@ -67,14 +102,93 @@ class Dives:
         tables = {name: found.get(name) for name in empty} if isinstance(found, dict) else {}
         return {name: t if isinstance(t := tables.get(name), dict) else {} for name in empty}
 
-    def _keep(self, table: str, key: str, plain: Any) -> None:
-        found = self._read()
-        found[table].pop(key, None)
-        found[table][key] = plain
-        while len(found[table]) > KEPT:
-            found[table].pop(next(iter(found[table])))
+    def _write(self, found: Tables) -> None:
         beside = self._file.with_suffix(".new")
         with contextlib.suppress(OSError):
             self._file.parent.mkdir(parents=True, exist_ok=True)
             beside.write_text(json.dumps(found), encoding="utf-8")
             beside.replace(self._file)
+
+
+def missing(found: Mapping[str, Dive], own: str, now: float) -> str:
+    """What is overdue of ``found`` in words, "" for nothing. ``own``: the URL that is asked."""
+    told = {name: overdue(dive, now) for name, dive in found.items()}
+    return "; ".join(
+        words if name == _address(own) else f"{_called(name, found[name])}: {words}"
+        for name, words in told.items()
+        if words
+    )
+
+
+def _called(name: str, dive: Dive) -> str:
+    return name if dive.plan is None else f"{dive.plan.name}, known by {name}"
+
+
+# --- one read of the file ------------------------------------------------------------------------
+
+
+def _address(url: str) -> str:
+    return url.partition("?")[0]
+
+
+def _put(table: dict[str, Any], key: str, plain: Any) -> None:
+    table.pop(key, None)
+    table[key] = plain
+    while len(table) > KEPT:
+        table.pop(next(iter(table)))
+
+
+def _known_by(found: Tables, way: str) -> str:
+    """The address that a vehicle which answers there is remembered by."""
+    name = found["ways"].get(way)
+    return name if isinstance(name, str) and name in found["boats"] else way
+
+
+def _dive(found: Tables, name: str) -> Dive:
+    plain = found["boats"].get(name)
+    with contextlib.suppress(ValueError, KeyError, TypeError, AttributeError):
+        return from_plain(Dive, plain) if plain else Dive()
+    return Dive()
+
+
+def _plan(found: Tables, digest: str) -> Plan | None:
+    plain = found["plans"].get(digest[:DIGITS])
+    with contextlib.suppress(ValueError, KeyError, TypeError):
+        return from_plain(Plan, plain) if plain else None
+    return None
+
+
+def _answering(found: Tables, way: str, contact: Contact) -> str:
+    """The address that the vehicle which answered there is remembered by; what is learned of ways
+    is kept."""
+    name = _known_by(found, way)
+    if name != way and contact.mission and contact.mission != _dive(found, name).mission:
+        del found["ways"][way]  # there is another vehicle
+        name = way
+    if name == way and _dive(found, way).started is None:
+        same = [one for one in found["boats"] if one != way and _is_of(_dive(found, one), contact)]
+        if len(same) == 1:
+            (name,) = same
+            _put(found["ways"], way, name)
+    return name
+
+
+def _is_of(dive: Dive, contact: Contact) -> bool:
+    """Idle on deck may be any that holds the mission: then it is not said to be the same."""
+    if dive.started is None or contact.is_over or not contact.mission:
+        return False
+    at_once = contact.began is None or abs(contact.began - dive.started) < ONE_START_S
+    return dive.mission == contact.mission and at_once
+
+
+def _begun(found: Tables, before: Dive, contact: Contact) -> Dive:
+    """Also a dive that somebody else started: heard under way twice, so that whoever starts it from
+    here has noted that meanwhile."""
+    dive, seen = heard(before, contact), before.contact
+    if dive.started is not None or not contact.is_under_way:
+        return dive
+    plan = _plan(found, contact.mission)
+    if plan is None or seen is None or seen.mission != contact.mission or not seen.is_under_way:
+        return dive
+    began = seen.wall if contact.began is None else contact.began
+    return Dive(began, plan, contact, contact.mission)

@@ -10,14 +10,15 @@ The sea takes it along with the current that it had estimated, and with as much 
 any side. So the area is an ellipse: that of the estimate, moved and grown. Sans-IO; times are of
 the wall clock, s since 1970 UTC.
 
-What does not live here: what is kept between two commands (dives).
+What does not live here: what is kept between two commands, and which dive a path leads to (dives).
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from datetime import datetime
 from typing import TYPE_CHECKING, Any
 
 from mission.model import AUTONOMOUS, Position
@@ -48,7 +49,8 @@ class Plan:
 @dataclass(frozen=True, slots=True)
 class Contact:
     """When the vehicle answered last, and what it knew. ``covariance``: m^2 of its place (nn, ne,
-    ee); ``current``: m/s north and east, as it had estimated it."""
+    ee); ``current``: m/s north and east, as it had estimated it. ``mission``: the digest of what it
+    holds, its first 16 digits; ``began``: when that began, where it tells."""
 
     wall: float
     state: str
@@ -56,15 +58,27 @@ class Contact:
     longitude: float | None = None
     covariance: tuple[float, float, float] | None = None
     current: tuple[float, float] = (0.0, 0.0)
+    mission: str = ""
+    began: float | None = None
+
+    @property
+    def is_under_way(self) -> bool:
+        return self.state.startswith(AUTONOMOUS)
+
+    @property
+    def is_over(self) -> bool:
+        return self.state.startswith(OVER)
 
 
 @dataclass(frozen=True, slots=True)
 class Dive:
-    """``started``: None where it was not started from here, or is over."""
+    """``started``: None where it is not known to be under way. ``mission``: its digest, as that of
+    a contact."""
 
     started: float | None = None
     plan: Plan | None = None
     contact: Contact | None = None
+    mission: str = ""
 
     @property
     def due(self) -> float | None:
@@ -106,21 +120,34 @@ def plan_of(prepared: Prepared, proved: Proved) -> Plan:
     )
 
 
-def contact_with(state: Mapping[str, Any], wall: float) -> Contact:
-    """What a monitor's state says, at ``wall``."""
+def contact_with(state: Mapping[str, Any], wall: float, began: float | None = None) -> Contact:
+    """What a monitor's state says, at ``wall``; ``began``: when its mission did."""
     covariance = None
     if (ellipse := state.get("ellipse")) is not None:
         great, small = (float(axis) / distribution.PLANE_95 for axis in ellipse[:2])
         covariance = distribution.of_principal(great, small, math.radians(ellipse[2]))
     north, east = state.get("current") or (0.0, 0.0)
     place = state.get("latitude"), state.get("longitude")
-    return Contact(wall, str(state.get("state") or AUTONOMOUS), *place, covariance, (north, east))
+    return Contact(
+        wall,
+        str(state.get("state") or AUTONOMOUS),
+        *place,
+        covariance,
+        (north, east),
+        str(state.get("mission") or ""),
+        began,
+    )
 
 
 def heard(dive: Dive, contact: Contact) -> Dive:
-    """The dive after this contact: over where the vehicle is up."""
-    over = contact.state.startswith(OVER)
-    return Dive(None if over else dive.started, dive.plan, contact)
+    """The dive after this contact: over where the vehicle is up, or flies another mission. What was
+    told before the start says nothing of what came of it."""
+    if dive.started is not None and contact.wall < dive.started:
+        return dive
+    is_another = bool(contact.mission and dive.mission) and contact.mission != dive.mission
+    if contact.is_over or is_another:
+        return Dive(None, dive.plan, contact, dive.mission)
+    return replace(dive, contact=contact)
 
 
 def silent_for(dive: Dive, now: float) -> float:
@@ -136,6 +163,13 @@ def overdue(dive: Dive, now: float) -> str:
     since = f"it was to be up {ago(now - due)} at the latest, heard {ago(silent_for(dive, now))}"
     area = search_area(dive, now)
     return f"{since}; search {area}" if area else f"{since}; nobody knows where"
+
+
+def moment(due: float, now: float) -> str:
+    """When it is up at the latest, in the local time of this computer."""
+    clock = datetime.fromtimestamp(due).astimezone().strftime("%H:%M:%S")
+    left = f"in {(due - now) / 60.0:.0f} min" if due > now else ago(now - due)
+    return f"{clock} at the latest, {left}"
 
 
 def search_area(dive: Dive, now: float) -> Area | None:

@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 from mission.model.alarms import DANGER, Alarm, ago
 from mission.topside.contacts import SILENT_S
 from mission.topside.monitor import Watched
+from mission.topside.overdue import moment
 
 PLAIN, GOOD, CAREFUL, BAD, DIM = "plain", "good", "careful", "bad", "dim"
 DEEP = "deep"  # shown with ink and paper exchanged: blocks stand for the water below
@@ -64,6 +65,12 @@ def state(watched: Watched, now: float) -> Iterator[Line]:
     for text, values in known.get("leg_ends") or ():
         looked = ", ".join(f"{name} {_number(value)}" for name, value in values.items())
         yield Line(f"{'until':10} {text}   now {looked}")
+
+
+def due(up_by: float | None, wall: float) -> Iterator[Line]:
+    """``up_by``: as the boat knows it, s since 1970 UTC, as is ``wall``."""
+    if up_by is not None:
+        yield Line(f"{'up by':10} {moment(up_by, wall)}", CAREFUL if wall > up_by else PLAIN)
 
 
 def place(watched: Watched, now: float) -> Iterator[Line]:

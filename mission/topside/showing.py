@@ -92,6 +92,7 @@ def contact_of(looked: Looked, wall: float) -> Contact:
         place["latitude"] if fix else None,
         place["longitude"] if fix else None,
         None if one is None else (one, 0.0, one),
+        mission=looked.store.digest if looked.store is not None else "",
     )
 
 

@@ -31,7 +31,7 @@ from mission.topside.orders import order
 from mission.topside.panels import Line
 from mission.topside.sources import Source
 from mission.topside.underwater import PREFIX
-from mission.topside.upload import OperatorError, Script, clear, start
+from mission.topside.upload import OperatorError, Script, clear, start_telling
 from protocol.messages import Order
 
 REFRESH_S = 0.25
@@ -105,7 +105,8 @@ class WatchApp(App[None]):
         if self.source.problem:
             banner.insert(0, Line(self.source.problem, panels.CAREFUL))
         self._put("banner", banner)
-        self._put("state", panels.state(watched, now))
+        up_by = panels.due(self._contacts.due(), time.time())
+        self._put("state", [*panels.state(watched, now), *up_by])
         self._put("margins", panels.margins(watched, now))
         self._put("place", panels.place(watched, now))
         self._put("depth", panels.strip(watched))
@@ -154,7 +155,7 @@ class WatchApp(App[None]):
             self.said = f"{name} {mission} on {self._to}? {key} again says so"
             return
         self._asked = None
-        self._say(name, start() if name == "start" else clear())
+        self._say(name, start_telling(0, self._contacts.started) if name == "start" else clear())
 
     def _say(self, name: str, script: Script) -> None:
         if not (self._to and self.source.live):

@@ -182,9 +182,10 @@ def test_the_margins_are_what_is_left_to_the_limits_in_force(growing: Path) -> N
 
 
 def test_the_map_of_the_plan_goes_from_corner_to_corner_of_the_rows() -> None:
-    chart = prepare(missions_folder() / "lawnmower.yaml").chart
+    prepared = prepare(missions_folder() / "lawnmower.yaml")
+    chart = prepared.chart
     assert chart.mission.home is not None
-    features = plan_geojson(chart, chart.mission.home)["features"]
+    features = plan_geojson(chart, prepared.vehicle, chart.mission.home)["features"]
     named = {one["properties"]["name"]: one["geometry"]["coordinates"] for one in features}
     assert list(named)[:2] == ["home", "radius"]
     frame = LocalFrame(chart.mission.home)

@@ -6,15 +6,21 @@ import json
 import math
 import time
 from dataclasses import replace
+from itertools import count
 from pathlib import Path
 
 import pytest
+from click.testing import CliRunner
+from served import soon
 
+from mission.authoring.language import script
+from mission.authoring.prepare import check_prepared, prepare
+from mission.cli import main
 from mission.model import Position
 from mission.model.plain import to_plain
 from mission.navigation.geodesy import LocalFrame
 from mission.topside.contacts import Contacts
-from mission.topside.dives import FILE, KEPT, Dives
+from mission.topside.dives import FILE, KEPT, SEARCHED_S, Dives, default_folder, missing
 from mission.topside.monitor import Watched
 from mission.topside.overdue import (
     UNSURE_M,
@@ -24,14 +30,18 @@ from mission.topside.overdue import (
     Plan,
     contact_with,
     overdue,
+    plan_of,
     search_area,
 )
 
 HOME = (30.0, 120.0)
 PLAN = Plan("survey", worst_s=600.0, range_m=200.0, current=0.5, home=HOME)
-UNDER_WAY = Contact(1100.0, "autonomous", 30.001, 120.0)
-DIVE = Dive(1000.0, PLAN, UNDER_WAY)
+DIGEST = "0123456789abcdef"
+UNDER_WAY = Contact(1100.0, "autonomous", 30.001, 120.0, mission=DIGEST)
+DIVE = Dive(1000.0, PLAN, UNDER_WAY, DIGEST)
 URL = "tcp://vehicle:4000"
+MODEM = "modem+serial:///dev/ttyUSB0?range=800&rate=600"
+DECK = Contact(1050.0, "idle/ready", mission=DIGEST)
 
 
 def offset(area: Area | None) -> tuple[float, float]:
@@ -118,15 +128,123 @@ def test_where_no_place_was_ever_known_that_is_said() -> None:
 
 def test_the_boat_remembers_from_the_upload_to_the_end_of_the_dive(tmp_path: Path) -> None:
     dives = Dives(tmp_path)
-    dives.uploaded("0123456789abcdef" * 4, PLAN)
-    dives.started(URL, "0123456789abcdef", 1000.0)
+    dives.uploaded(DIGEST * 4, PLAN)
+    dives.started(URL, DIGEST, 1000.0)
     dives.contact(URL, UNDER_WAY)
     assert Dives(tmp_path).of(URL) == DIVE
-    dives.started(URL, "0123456789abcdef", 1200.0)
+    dives.started(URL, DIGEST, 1200.0)
     assert dives.of(URL).started == 1000.0, "a mission that goes on has begun before"
     dives.contact(URL, replace(UNDER_WAY, wall=1300.0, state="emergency/surfaced"))
     assert dives.of(URL).due is None
     assert dives.of("tcp://other:4000") == Dive()
+
+
+def started(folder: Path, *urls: str) -> Dives:
+    dives = Dives(folder)
+    dives.uploaded(DIGEST * 4, PLAN)
+    for url in urls:
+        dives.started(url, DIGEST, 1000.0)
+    return dives
+
+
+def told(dives: Dives, url: str, now: float = 1660.0) -> str:
+    return missing(dives.missed(url, now), url, now)
+
+
+def test_a_start_by_one_way_is_overdue_on_a_way_on_which_nobody_ever_answered(
+    tmp_path: Path,
+) -> None:
+    dives = started(tmp_path, URL)
+    assert told(dives, MODEM, 1500.0) == ""
+    assert told(dives, URL).startswith("it was to be up 60 s ago")
+    words = told(dives, MODEM)
+    assert words.startswith("survey, known by tcp://vehicle:4000: it was to be up 60 s ago")
+    assert "search within 230 m of" in words
+
+
+def test_who_answers_under_way_with_the_mission_is_the_same_vehicle_by_all_ways(
+    tmp_path: Path,
+) -> None:
+    dives = started(tmp_path, URL)
+    dives.contact(MODEM, replace(UNDER_WAY, wall=1300.0))
+    for url in (URL, MODEM, "modem+serial:///dev/ttyUSB0?rate=300"):
+        assert dives.of(url).contact == replace(UNDER_WAY, wall=1300.0)
+        assert "heard 6 min ago; search" in told(dives, url)
+    dives.contact(MODEM, replace(UNDER_WAY, wall=1601.0))
+    assert (told(dives, URL), told(dives, MODEM)) == ("", "")
+    dives.contact(MODEM, replace(DECK, wall=1700.0))
+    assert (dives.of(URL).due, dives.of(MODEM).due) == (None, None)
+
+
+def test_a_vehicle_on_deck_with_the_same_mission_ends_no_dive_of_another(tmp_path: Path) -> None:
+    dives = started(tmp_path, URL)
+    dives.contact("tcp://other:4000", DECK)
+    assert "search" in told(dives, URL)
+    assert dives.of(URL).contact is None
+
+
+def test_of_two_that_fly_one_mission_neither_is_taken_for_the_other(tmp_path: Path) -> None:
+    dives = started(tmp_path, URL, "tcp://other:4000")
+    dives.contact(MODEM, replace(UNDER_WAY, wall=1650.0))
+    assert told(dives, URL)
+    assert told(dives, "tcp://other:4000")
+    elsewhere = replace(UNDER_WAY, began=500.0)
+    one = started(tmp_path / "one", URL)
+    one.contact(MODEM, elsewhere)
+    assert one.of(URL).contact is None, "that one began at another time"
+
+
+def test_another_mission_by_that_way_is_another_vehicle(tmp_path: Path) -> None:
+    dives = started(tmp_path, URL)
+    dives.contact(MODEM, UNDER_WAY)
+    dives.contact(MODEM, Contact(1200.0, "idle/ready", mission="fedcba9876543210"))
+    assert dives.of(URL) == DIVE
+    assert dives.of(MODEM).started is None
+
+
+def test_another_mission_at_the_own_address_ends_the_dive(tmp_path: Path) -> None:
+    dives = started(tmp_path, URL)
+    dives.contact(URL, Contact(1200.0, "autonomous", mission="fedcba9876543210"))
+    assert told(dives, URL) == ""
+
+
+def test_who_is_known_to_be_under_way_there_is_asked_for_and_nobody_else(tmp_path: Path) -> None:
+    dives = started(tmp_path, URL)
+    dives.started("tcp://other:4000", DIGEST, 1500.0)
+    assert told(dives, "tcp://other:4000") == ""
+    assert told(dives, MODEM).count("known by") == 1
+    assert told(dives, MODEM, 2200.0).count("known by") == 2
+
+
+def test_a_dive_of_days_ago_is_told_by_its_own_way_alone(tmp_path: Path) -> None:
+    dives, late = started(tmp_path, URL), 1601.0 + SEARCHED_S
+    assert told(dives, URL, late)
+    assert told(dives, MODEM, late) == ""
+
+
+def test_what_came_before_the_start_ends_no_dive(tmp_path: Path) -> None:
+    dives = started(tmp_path, URL)
+    dives.contact(URL, replace(DECK, wall=999.0))
+    assert dives.of(URL).started == 1000.0
+
+
+@pytest.mark.parametrize(("began", "noted"), [(1080.0, 1080.0), (None, 1100.0)])
+def test_a_dive_that_somebody_else_started_is_known_when_it_was_heard_twice(
+    tmp_path: Path, began: float | None, noted: float
+) -> None:
+    dives = Dives(tmp_path)
+    dives.uploaded(DIGEST, PLAN)
+    dives.contact(URL, replace(UNDER_WAY, began=began))
+    assert dives.of(URL).started is None
+    dives.contact(URL, replace(UNDER_WAY, wall=1110.0, began=began))
+    assert dives.of(URL).started == noted
+    assert told(dives, MODEM, noted + 660.0)
+
+
+def test_a_start_after_the_due_time_is_a_dive_of_its_own(tmp_path: Path) -> None:
+    dives = started(tmp_path, URL)
+    dives.started(URL, DIGEST, 90_000.0)
+    assert dives.of(URL).started == 90_000.0
 
 
 def test_a_mission_that_was_not_uploaded_from_here_has_no_due_time(tmp_path: Path) -> None:
@@ -173,3 +291,71 @@ def test_overdue_ends_with_the_first_frame_that_comes_and_not_when_it_is_next_ke
     assert boat.alarms(known, 1.5, True) == ()
     gone = [alarm.name for alarm in boat.alarms(known, 60.0, True)]
     assert gone == ["no contact", "OVERDUE"]
+
+
+# --- where it is told ----------------------------------------------------------------------------
+
+SILENT = {"the way it was started by": "tcp://127.0.0.1:1", "a modem": "modem+tcp://127.0.0.1:1"}
+
+
+def long_ago(folder: Path) -> None:
+    """A dive that was started by another way, or that one, a day ago."""
+    dives = Dives(folder)
+    dives.uploaded(DIGEST, PLAN)
+    dives.started(SILENT["the way it was started by"], DIGEST, time.time() - 86_400.0)
+
+
+@pytest.mark.parametrize("way", SILENT)
+def test_status_says_so_by_every_way(
+    way: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path))
+    long_ago(default_folder())
+    people, data = (
+        CliRunner().invoke(main, ["status", "--to", SILENT[way], *more])
+        for more in ([], ["--json"])
+    )
+    assert (people.exit_code, data.exit_code) == (1, 1)
+    assert "ALARM OVERDUE" in people.stdout
+    named = {alarm["name"]: alarm["words"] for alarm in json.loads(data.stdout)["alarms"]}
+    assert "search within" in named["OVERDUE"]
+    assert ("known by tcp://127.0.0.1:1" in named["OVERDUE"]) == (way == "a modem")
+
+
+@pytest.mark.parametrize("way", SILENT)
+def test_watch_and_console_say_so_by_every_way(way: str, tmp_path: Path) -> None:
+    long_ago(tmp_path)
+    (alarm,) = Contacts(SILENT[way], tmp_path).alarms(Watched(), 0.0, True)
+    assert alarm.name == "OVERDUE"
+    assert "search within" in alarm.words
+
+
+def test_a_simulated_vehicle_is_never_missed(tmp_path: Path) -> None:
+    long_ago(tmp_path)
+    boat = Contacts("", tmp_path)
+    boat.started(DIGEST)
+    assert boat.alarms(Watched(), 0.0, True) == ()
+    assert boat.due() is None
+
+
+def test_what_is_proved_of_a_mission_is_learned_from_the_vehicle_that_flies_it(
+    tmp_path: Path,
+) -> None:
+    known, boat = Watched(), Contacts(URL, tmp_path)
+    prepared = prepare("first-dive")
+    digest, lines = prepared.chart.digest[:16], script(prepared.mission)
+    state = {"state": "autonomous/dive", "mission": digest, "mission_began": 10.0}
+    known.take({"n": 1, "t": 70.0, "state": state, "plan": ["", *lines[:3]]}, 0.0)
+    boat.remember(known, 0.0)
+    known.take({"n": 2, "t": 90.0, "state": state, "plan": lines[3:]}, 20.0)
+
+    proved = check_prepared(prepared).proved
+    assert proved is not None
+    looks = count(20.0, 11.0)
+
+    def is_noted() -> bool:
+        boat.remember(known, next(looks))
+        return boat.due() is not None
+
+    soon(is_noted, "the worst time is known")
+    assert boat.dives.of(URL).plan == plan_of(prepared, proved)

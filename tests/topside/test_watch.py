@@ -19,18 +19,20 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from click.testing import CliRunner
 from later import Later
 from served import PATIENCE, running, silent_board, soon
 
 from mission.analysis.replay.playback import Playback
 from mission.authoring.prepare import prepare
+from mission.cli import main
 from mission.model.alarms import Alarm
 from mission.onboard.runtime.records import ListRecorder
 from mission.onboard.serve.viewing import Viewing
 from mission.topside import panels
 from mission.topside.contacts import Contacts
 from mission.topside.monitor import Watched
-from mission.topside.panels import BAD, CAREFUL, DIM, GOOD
+from mission.topside.panels import BAD, CAREFUL, DIM, GOOD, PLAIN
 from mission.topside.sources import Source, from_frames, from_monitor, from_recording
 from mission.verification.simulation.flight import fly
 
@@ -113,6 +115,41 @@ def test_a_vehicle_under_water_is_silent_after_two_looks_that_failed_and_not_bet
             said = "NOTHING NEW" in texts(panels.banner(known, now, (), boat.silent_s))
             names = [str(alarm.name) for alarm in boat.alarms(known, now, True)]
             assert (said, len(names) > 0) == (silent, silent)
+
+
+def test_when_it_is_up_at_the_latest_is_told_from_the_start_on() -> None:
+    assert texts(panels.due(None, 0.0)) == ""
+    (before,), (behind,) = panels.due(1600.0, 1000.0), panels.due(1600.0, 1660.0)
+    assert (before.style, behind.style) == (PLAIN, CAREFUL)
+    assert before.text.endswith("at the latest, in 10 min")
+    assert behind.text.endswith("at the latest, 60 s ago")
+
+
+@pytest.mark.parametrize(
+    ("words", "to"),
+    [
+        ([], "tcp://127.0.0.1:4000"),
+        (["tcp://vehicle:4001"], "tcp://vehicle:4000"),
+        (["tls://10.0.0.8:7001?keys=mine"], "tls://10.0.0.8:7000?keys=mine"),
+        (["tcp://vehicle:4001", "--to", "tcp://relay:9"], "tcp://relay:9"),
+        (["--frames", "--to", "tcp://relay:9"], "tcp://relay:9"),
+    ],
+)
+def test_x_goes_to_the_vehicle_that_is_watched(
+    words: list[str], to: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    told = []
+
+    class App:
+        def __init__(self, source: Source, to: str, memory: Path) -> None:
+            told.append(to)
+
+        def run(self) -> None:
+            """Nobody looks."""
+
+    monkeypatch.setattr("mission.topside.watch.WatchApp", App)
+    assert CliRunner().invoke(main, ["watch", *words]).exit_code == 0
+    assert told == [to]
 
 
 def test_the_strip_hangs_from_the_surface() -> None:

@@ -155,6 +155,7 @@ def _planned(t: float, lines: Sequence[str]) -> Iterator[Message]:
     with contextlib.suppress(MissionErrors, VehicleError, OSError):
         mission = parse_script(lines)
         if mission.home is not None:
-            chart = compile_mission(mission, load_vehicle(mission.vehicle), digest(mission))
-            plan = plan_geojson(chart, mission.home)
+            vehicle = load_vehicle(mission.vehicle)
+            chart = compile_mission(mission, vehicle, digest(mission))
+            plan = plan_geojson(chart, vehicle, mission.home)
             yield Message(topics.PLAN, t, {"geojson": json.dumps(plan)})

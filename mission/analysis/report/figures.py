@@ -16,7 +16,7 @@ import numpy as np
 
 from mission.analysis.drawing import draw_quality, timed
 from mission.analysis.report.dive import Dive
-from mission.analysis.report.map import draw_map, flown_of, marks_of, near, plain, planned
+from mission.analysis.report.map import draw_map, goes_on, marks_of, plain, planned
 from mission.analysis.report.numbers import along
 from mission.analysis.report.words import simulated
 from mission.analysis.resting import SILENT_S
@@ -77,14 +77,13 @@ def pictures_of(dive: Dive) -> Iterator[Picture]:
 
 def map_of(dive: Dive) -> Picture:
     of = f" ({words})" if (words := simulated(dive)) else ""
-    plan = [point for line in planned(dive) for point in line]
-    shown = ["plan"] if plan else []
+    shown = ["plan"] if planned(dive) else []
     shown += ["estimated track by legs"]
     shown += ["smoothed track", "fixes"] if dive.smoothed is not None else []
     caption = f"Map: {', '.join(shown)}{of}."
     if dive.covariances:
         caption += " 95 % ellipses that would bury the track are left out."
-    if near(flown_of(dive), plan) != plan:
+    if goes_on(dive):
         caption += " The plan goes on beyond the map."
     return Picture("map", caption, 1, (8.5, 6.5), lambda axes: draw_map(axes[0], dive), "tight")
 

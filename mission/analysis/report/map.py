@@ -18,7 +18,7 @@ from mission.analysis.report.dive import Dive, Point, Stay
 from mission.analysis.report.numbers import around
 from mission.navigation.filter import Array
 from mission.navigation.geodesy import LocalFrame
-from mission.onboard.stream.plan import COVERED
+from mission.onboard.stream.plan import COVERED, HEADING, PLACES
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -95,29 +95,43 @@ def flown_of(dive: Dive) -> list[Point]:
     return flown + ([(e, n) for n, e in dive.smoothed.smoothed] if dive.smoothed else [])
 
 
-def near(flown: Sequence[Point], plan: Sequence[Point]) -> list[Point]:
-    """The plan, drawn in to what is near the track; all of it where there is none."""
+def near(flown: Sequence[Point], plan: Sequence[Point], share: float = _NEAR) -> list[Point]:
+    """The plan, drawn in to what is near the track (``share`` of its long side); all of it where
+    there is none."""
     if not flown or not plan:
         return list(plan)
     low, high = np.min(flown, axis=0), np.max(flown, axis=0)
-    reach = _NEAR * max(_SMALLEST, *(high - low))
+    reach = share * max(_SMALLEST, *(high - low))
     return [(float(e), float(n)) for e, n in np.clip(plan, low - reach, high + reach)]
 
 
-def planned(dive: Dive) -> list[list[Point]]:
-    """The lines of its legs; none where no leg steers to places."""
+def goes_on(dive: Dive) -> bool:
+    """Whether the plan leads beyond the frame."""
+    flown = flown_of(dive)
+    for by, share in ((PLACES, _NEAR), (HEADING, _MARGIN)):
+        plan = [point for line in planned(dive, [by]) for point in line]
+        if near(flown, plan, share) != plan:
+            return True
+    return False
+
+
+def planned(dive: Dive, by: Sequence[str] = (PLACES, HEADING)) -> list[list[Point]]:
+    """The lines of its legs; ``by`` what they go."""
     if dive.origin is None:
         return []
     lines = [
         feature["geometry"]["coordinates"]
         for feature in dive.plan
-        if feature["geometry"]["type"] == "LineString" and feature["properties"]["name"] != "radius"
+        if feature["geometry"]["type"] == "LineString"
+        and feature["properties"]["name"] != "radius"
+        and feature["properties"].get("by", PLACES) in by
     ]
     return [[dive.local(latitude, longitude) for longitude, latitude in line] for line in lines]
 
 
 def _plan(axes: Axes, dive: Dive) -> list[list[Point]]:
-    """What fills the frame: lines, and what is covered; what is kept in or out need not."""
+    """What fills the frame: lines to places, and what is covered; what is kept in or out need not,
+    nor where the current would have had to be none."""
     covered: list[list[Point]] = []
     for feature in dive.plan:
         form, said = feature["geometry"], feature["properties"]
@@ -129,10 +143,9 @@ def _plan(axes: Axes, dive: Dive) -> list[list[Point]]:
                 *_columns(ring), "-.", color=_AREA, lw=0.9, label=plain(said["what"]), zorder=1
             )
             covered += [ring] if said["what"] == COVERED else []
-    lines = planned(dive)
-    for i, line in enumerate(lines):
+    for i, line in enumerate(planned(dive)):
         axes.plot(*_columns(line), "--", color=_PLAN, lw=0.9, label="" if i else "plan", zorder=1)
-    return lines + covered
+    return planned(dive, [PLACES]) + covered
 
 
 def _track(axes: Axes, dive: Dive, t: Array, places: Array) -> None:

@@ -21,6 +21,7 @@ advised (purpose.py).
 
 from __future__ import annotations
 
+import contextlib
 import itertools
 import math
 from collections.abc import Iterable, Iterator
@@ -90,6 +91,15 @@ def outlooks(
     course = _Course(mission, vehicle)
     course.body(mission.body, "")
     return course.found, course.errors, course.late
+
+
+def meant(mission: Mission, vehicle: Vehicle) -> list[tuple[str, Point]]:
+    """Of each leg or part of one in its order, rounds included, by its path: m north and east from
+    where it begins to where it is meant to end in still water. ``MOST`` of them at most."""
+    course = _Meant(mission, vehicle)
+    with contextlib.suppress(TooManyError):
+        course.body(mission.body, "")
+    return course.legs
 
 
 class Drift:
@@ -236,7 +246,8 @@ class _Course:
             bearing = self._holds.get("heading", 0.0)
             self._go(bearing, speed, time)
             north, east = self._at
-            way = speed * time if "heading" in self._holds else 0.0
+            ahead = math.copysign(speed, self._holds["surge"])
+            way = ahead * time if "heading" in self._holds else 0.0
             self._at = (north + way * math.cos(bearing), east + way * math.sin(bearing))
         if self._afloat:
             self._drift.fix()
@@ -339,6 +350,26 @@ class _Course:
         forth = pattern.framed(end)[0] > pattern.framed(begin)[0]
         pieces = tuple(across if forth else reversed(across))
         return Row(pieces, min(missed, math.dist(begin, end)), radius_95(self._drift.place))
+
+
+class _Meant(_Course):
+    def __init__(self, mission: Mission, vehicle: Vehicle) -> None:
+        super().__init__(mission, vehicle)
+        self._current = 0.0
+        self._whole = True
+        self.legs: list[tuple[str, Point]] = []
+
+    def _node(self, node: Leg | Set, path: str) -> None:
+        self._whole = isinstance(node, Leg) and not LEGS[type(node.kind)].parts(node)
+        super()._node(node, path)
+
+    def _leg(self, leg: Leg, path: str) -> None:
+        north, east = self._at
+        super()._leg(leg, path)
+        made_good = self._at[0] - north, self._at[1] - east
+        self.legs.append((path if self._whole else f"{path}/{leg.name}", made_good))
+        if len(self.legs) >= MOST:
+            raise TooManyError
 
 
 def _ways(leg: Leg) -> Iterator[float]:

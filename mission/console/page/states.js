@@ -51,6 +51,7 @@ export class States {
     /** @type {Array<[string, string]>} */
     const rows = [];
     for (const name of ['reason', 'setpoint']) if (state[name]) rows.push([word(name), state[name]]);
+    if (state['up_by']) rows.push([word('up_by'), new Date(state['up_by'] * 1000).toLocaleTimeString()]);
     if (vehicle.setup.source === 'frames') rows.push([word('link'), word('thin')]);
     showRows(this._rows, rows);
     const leg = `${vehicle.setup.id} ${state['leg']} ${state['leg_began']}`;

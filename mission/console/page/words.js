@@ -108,6 +108,7 @@ export const WORDS = {
   state: ['State', '状态'],
   reason: ['Why', '原因'],
   setpoint: ['Set', '设定'],
+  up_by: ['Up by', '最迟上浮'],
   leg: ['Leg', '航段'],
   until: ['Until', '直到'],
   now: ['now', '当前'],

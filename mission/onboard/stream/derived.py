@@ -144,7 +144,7 @@ class Derivation:
         home = self._chart.mission.home if self._chart else None
         origin = home or (self._frame.origin if self._frame else None)
         if self._chart is not None and origin is not None:
-            features = plan_geojson(self._chart, origin)
+            features = plan_geojson(self._chart, self.start.vehicle, origin)
             yield Message(topics.PLAN, t, {"geojson": json.dumps(features)})
 
     def _events(self, record: Record) -> Iterator[Message]:

@@ -1,32 +1,53 @@
 """A mission as a map: home, radius, areas, the lines of its legs, as GeoJSON (RFC 7946).
 
 A leg that steers to places is walked by its own pilot from corner to corner, from where the leg
-before it ended. What does not live here: a route that was flown (derived), pictures (report).
+before it ended. One that holds a heading goes as far as it is meant to in still water, at its
+planning speed: to the way, the depth or the time that ends it. Rounds are drawn where they lead
+elsewhere; a leg that is for when another fails is not drawn.
+
+What does not live here: a route that was flown (derived), a plan that is flown to be seen
+(verification.planned), pictures (report).
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from itertools import pairwise
 from typing import Any
 
+from mission.authoring.check.outlook import meant
 from mission.authoring.graph import words
 from mission.legs import LEGS
 from mission.legs.base import Point, View
 from mission.legs.cover import Cover
-from mission.model import Area, Chart, Estimate, Local, NavigationMode, Place, Position, State
+from mission.model import (
+    Area,
+    By,
+    Chart,
+    Edge,
+    Estimate,
+    Local,
+    NavigationMode,
+    Place,
+    Position,
+    State,
+)
+from mission.model.vehicle import Vehicle
 from mission.navigation.geodesy import LocalFrame
 from protocol.messages import Setpoint
 
 _CORNERS = 2000  # of one leg, at most
 COVERED = "area to cover"  # what such an area says of itself
+HEADING, PLACES = "heading", "places"  # by what a leg goes: ``by`` of its line
 _ROUND = 72  # corners of a circle
+_FAILS = (By.TIMEOUT, By.ELSE)
+_SHORTEST = 1.0  # m, that a leg by heading is drawn for
 
 Feature = dict[str, Any]
 
 
-def plan_geojson(chart: Chart, origin: Position) -> dict[str, Any]:
+def plan_geojson(chart: Chart, vehicle: Vehicle, origin: Position) -> dict[str, Any]:
     """``origin`` is home. Longitude stands before latitude."""
     frame = LocalFrame(origin)
     features = [_feature(frame, "Point", [(0.0, 0.0)], name="home", what="home")]
@@ -39,25 +60,70 @@ def plan_geojson(chart: Chart, origin: Position) -> dict[str, Any]:
         )
     features += [_area(frame, area) for area in chart.mission.areas]
     features += _covered(frame, chart)
-    for state, corners in routes(chart, frame):
-        assert state.leg is not None
-        shown = LEGS[type(state.leg.kind)].shown(state.leg.kind)
-        name = state.path.partition("/")[2]
-        form = "LineString" if len(corners) > 1 else "Point"
-        features.append(_feature(frame, form, corners, name=name, what=shown))
+    features += [
+        _feature(frame, "LineString", corners, name=_name(state), what=_what(state), by=_by(state))
+        for state, corners in _once(routes(chart, vehicle, frame))
+    ]
     return {"type": "FeatureCollection", "features": features}
 
 
-def routes(chart: Chart, frame: LocalFrame) -> Iterator[tuple[State, list[Point]]]:
-    """Each leg that steers to places, with its corners in metres from home, in their order."""
-    here = (0.0, 0.0)
-    for state in chart.states:
-        if state.leg is None:
+def routes(
+    chart: Chart, vehicle: Vehicle, frame: LocalFrame
+) -> Iterator[tuple[State, list[Point]]]:
+    """Each leg that leads away, in the order they are meant to be flown, with its corners in metres
+    from home."""
+    states = {_name(state): state for state in chart.states}
+    here, wanted = (0.0, 0.0), _wanted(chart)
+    for path, (north, east) in meant(chart.mission, vehicle):
+        state = states[path]
+        if state.path not in wanted:
             continue
         corners = list(_walk(state, here, frame))
+        if not corners and math.hypot(north, east) >= _SHORTEST:
+            corners = [here, (here[0] + north, here[1] + east)]
         if len(corners) > 1:
             here = corners[-1]
             yield state, corners
+
+
+def _wanted(chart: Chart) -> set[str]:
+    """The legs that are come to where each before them ends as it is meant to."""
+    ends: dict[str, list[Edge]] = {}
+    for edge in chart.edges:
+        ends.setdefault(edge.source, []).append(edge)
+    found, waiting = set[str](), [chart.initial]
+    while waiting:
+        path = waiting.pop()
+        if path not in found:
+            found.add(path)
+            ways = ends.get(path, [])
+            waiting += [e.target for e in [e for e in ways if e.by not in _FAILS] or ways]
+    return found
+
+
+def _once(found: Iterable[tuple[State, list[Point]]]) -> Iterator[tuple[State, list[Point]]]:
+    """Rounds that lead along the same lines are one, to the decimetre."""
+    seen = set[tuple[str, tuple[Point, ...]]]()
+    for state, corners in found:
+        told = state.path, tuple((round(n, 1), round(e, 1)) for n, e in corners)
+        if told not in seen:
+            seen.add(told)
+            yield state, corners
+
+
+def _name(state: State) -> str:
+    return state.path.partition("/")[2]
+
+
+def _by(state: State) -> str:
+    assert state.leg is not None
+    return HEADING if LEGS[type(state.leg.kind)].begin is None else PLACES
+
+
+def _what(state: State) -> str:
+    assert state.leg is not None
+    kind = state.leg.kind
+    return LEGS[type(kind)].shown(kind) or words.setpoint(state.setpoint)
 
 
 def _walk(state: State, here: Point, frame: LocalFrame) -> Iterator[Point]:
@@ -101,8 +167,7 @@ def _covered(frame: LocalFrame, chart: Chart) -> Iterator[Feature]:
             continue
         if state.leg.kind.area not in drawn:
             drawn.add(state.leg.kind.area)
-            name = state.path.partition("/")[2]
-            yield _ring(frame, state.leg.kind.area, name, COVERED)
+            yield _ring(frame, state.leg.kind.area, _name(state), COVERED)
 
 
 def _area(frame: LocalFrame, area: Area) -> Feature:

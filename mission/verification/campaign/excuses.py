@@ -86,7 +86,7 @@ def obeys_no_stop(settings: Settings, events: Sequence[Event]) -> bool:
 
 
 def spoils_a_turn(dive: FaultEvent, events: Sequence[Event]) -> bool:
-    """It begins in a turn of what would lift the vehicle, or end it: that comes again a round later."""
+    """It begins in a turn of what would end it or lift the vehicle: that comes a round later."""
     by = dive.begin + _TICK
     words = [e.data for e in events if isinstance(e, Tx) and e.link == VEHICLE and e.t <= by]
     return bool(words) and words[-1] in (_UP, _CURES.get(dive.name))
