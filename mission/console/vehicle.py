@@ -66,7 +66,7 @@ class Vehicle:
         self.steering = Steering(self.commands)
         self.contacts = Contacts(given.to, memory)
         self.checked: dict[str, float] = {}
-        self._source = from_monitor(given.monitor, FRAME) if given.monitor else None
+        self._source = from_monitor(given.monitor, FRAME, "before") if given.monitor else None
         self._looked = Watched()
         self._heard, self._clock = self._looked, VehicleClock(given.speed)
         self._look_problem = ""

@@ -11,7 +11,7 @@ import { Goal, eventNear } from '../../../mission/console/page/review.js';
 import { frameOf, routesOf, sceneOf, stillOf } from '../../../mission/console/page/scene.js';
 import { Vehicle, update } from '../../../mission/console/page/state.js';
 import { progress } from '../../../mission/console/page/states.js';
-import { bounds, runs, turned } from '../../../mission/console/page/strips.js';
+import { bounds, gapOf, runs, turned } from '../../../mission/console/page/strips.js';
 import { letter } from '../../../mission/console/page/urgent.js';
 
 test('a margin is careful within a quarter of its limit, bad within a tenth, and beyond it', () => {
@@ -41,6 +41,15 @@ test('a line of a strip breaks where nothing was known, or for long', () => {
   assert.deepEqual(runs(samples, 0, 40), [[[0, 1], [1, 2]], [[3, 4]], [[30, 5]]]);
   assert.deepEqual(runs(samples, 2, 10), [[[3, 4]]]);
   assert.equal(runs(samples, 3, 40, 50).length, 1);
+});
+
+test('no line is drawn over a hole, but over what is left of a long past', () => {
+  const every = (s, n) => Array.from({ length: n }, (_, i) => [i * s, 1]);
+  const lines = (samples) => runs(samples, 0, Infinity, gapOf(samples)).length;
+  assert.equal(lines([[0, 1], [15, 1], [31, 1]]), 2);
+  assert.equal(lines(every(1, 4096)), 1);
+  assert.equal(lines(every(32, 2700)), 1); // a day
+  assert.equal(lines([...every(32, 1300), ...every(32, 1300).map(([t]) => [t + 42_000, 1])]), 2);
 });
 
 test('strips that have no room have their turn', () => {
