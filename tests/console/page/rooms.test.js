@@ -10,7 +10,7 @@ import { level } from '../../../mission/console/page/margins.js';
 import { Goal, eventNear } from '../../../mission/console/page/review.js';
 import { frameOf, routesOf, sceneOf, stillOf } from '../../../mission/console/page/scene.js';
 import { Vehicle, update } from '../../../mission/console/page/state.js';
-import { progress } from '../../../mission/console/page/states.js';
+import { Begun, progress } from '../../../mission/console/page/states.js';
 import { bounds, gapOf, runs, turned } from '../../../mission/console/page/strips.js';
 import { letter } from '../../../mission/console/page/urgent.js';
 
@@ -28,6 +28,39 @@ test('a guard has come as far as its value from the leg\'s begin to the bound', 
   assert.equal(progress(['depth >= 10 m', { depth: 11 }], { depth: 2 })[0].share, 1);
   assert.equal(progress(['depth >= 10 m', { depth: 11 }], {})[0].share, 1);
   assert.equal(progress(['depth >= 10 m', { depth: null }], { depth: 2 })[0].share, null);
+});
+
+const PLACE = ['distance <= 15 m', { distance: 40 }];
+const FAR = { plan: { home: [60, 25], map: { features: [{ properties: { name: 'home_run' },
+  geometry: { type: 'LineString', coordinates: [[25, 60.01], [25, 60]] } }] } } };
+
+function under(leg_ends, more = {}) {
+  const vehicle = new Vehicle({ id: '1' });
+  return Object.assign(vehicle, { state: { leg: 'home_run', leg_began: 10, leg_ends } }, more);
+}
+
+test('a goto comes nearer to its place from the leg\'s begin on, also for who looks late', () => {
+  const track = [[8, 60.002, 25, 1], [10, 60.001, 25, 1], [30, 60.0004, 25, 1]];
+  const began = new Begun().of(under([PLACE], { ...FAR, track })).distance;
+  assert.ok(Math.abs(began - 111.4) < 0.3);
+  assert.ok(Math.abs(progress(PLACE, { distance: began })[0].share - 0.74) < 0.01);
+});
+
+test('without a plan a distance has come from the greatest that was seen, and to each corner anew', () => {
+  const begun = new Begun();
+  const seen = [40, 60, 12, 100, 70].map((distance) =>
+    begun.of(under([['each corner: distance <= 10 m', { distance }]], FAR)).distance);
+  assert.deepEqual(seen, [40, 60, 60, 100, 100]);
+});
+
+test('what a guard looked at when the leg began stands in the strips', () => {
+  const guard = ['depth >= 10 m or elapsed > 60 or leak > 0', { depth: 4, elapsed: 20, leak: 0 }];
+  const vehicle = under([guard], { strips: { depth: [[8, 1], [10, null], [12, 2], [14, 3]] } });
+  assert.deepEqual(new Begun().of(vehicle), { depth: 2, elapsed: 0, leak: 0 });
+  vehicle.state.leg_ends = [['leak > 0', { leak: 1 }]];
+  const begun = new Begun();
+  begun.of(under([guard]));
+  assert.equal(begun.of(vehicle).leak, 0);
 });
 
 test('each comparison of a guard is shown', () => {
