@@ -18,7 +18,7 @@ from mission.console import film as film_module
 from mission.console.board import Board
 from mission.console.film import EVERY_S, Film
 from mission.console.hindsight import hindsight
-from mission.console.recorded import Recorded
+from mission.console.recorded import Recorded, told_apart
 from mission.console.recording import Recording
 from mission.model import Record
 from mission.model.past import NAMES
@@ -116,6 +116,24 @@ def test_a_speed_that_there_is_not_is_refused(records: list[Record], speed: floa
 def test_what_is_no_recording_is_refused() -> None:
     with pytest.raises(ValueError, match="no whole start record"):
         Recording([])
+
+
+@pytest.mark.parametrize(
+    ("files", "names"),
+    [
+        (["log/a.mcap", "log/b.mcap"], ["a.mcap", "b.mcap"]),
+        (["/sea/1/flight.mcap", "/sea/2/flight.mcap"], ["1/flight.mcap", "2/flight.mcap"]),
+        (["a/x/flight.mcap", "b/x/flight.mcap", "c.mcap"],
+         ["a/x/flight.mcap", "b/x/flight.mcap", "c.mcap"]),
+        (["flight.mcap", "old/flight.mcap"], ["flight.mcap", "old/flight.mcap"]),
+        (["a/f.mcap", "a/f.mcap"], ["f.mcap", "f.mcap (2)"]),
+        (["float-test"], ["float-test"]),
+    ],
+)  # fmt: skip
+def test_recordings_of_one_name_are_told_apart_by_no_more_than_it_takes(
+    files: list[str], names: list[str]
+) -> None:
+    assert told_apart(files) == names
 
 
 # --- the film ---------------------------------------------------------------------------------
