@@ -191,10 +191,10 @@ export function silence(vehicle, now) {
 /** Seconds since the vehicle's program has said anything at all, in frames or in answers, of which
  * one comes each second; null: nobody says. @param {Vehicle} vehicle @param {number} now ms */
 export function sinceWord(vehicle, now) {
-  const lines = Object.values(vehicle.state['lines'] ?? {}).filter((age) => typeof age === 'number');
+  const lines = Object.values(vehicle.state['lines'] ?? {}).filter((one) => typeof one === 'number');
   const quiet = silence(vehicle, now);
   const since = Math.max(0, now - (vehicle.heardAt ?? now)) / 1000;
-  return quiet === null ? null : Math.min(quiet, ...lines.map((age) => age + since));
+  return quiet === null ? null : Math.min(quiet, ...lines.map((one) => one + since));
 }
 
 /** Has the vehicle no connection for X and W, and not only while it is opened anew?
