@@ -1,7 +1,7 @@
 import assert from 'node:assert/strict';
 import test from 'node:test';
 
-import { standingOfAll } from '../../../mission/console/page/alarms.js';
+import { here, standingOfAll } from '../../../mission/console/page/alarms.js';
 import { findings } from '../../../mission/console/page/seen.js';
 import { broken } from '../../../mission/console/page/layers.js';
 import { Frame } from '../../../mission/console/page/geo.js';
@@ -130,6 +130,11 @@ test('a recording that cannot go on says why', () => {
   const station = { vehicle, problem: '' };
   const told = standingOfAll({ stations: [station], chosen: station }, 0);
   assert.deepEqual(told.map((one) => [one.level, one.words]), [['danger', 'it cannot be run beyond 3.0 s']]);
+});
+
+test('what is to be done is called as the button of the page is', () => {
+  assert.equal(here('find out why, then `auvmission clear` at the surface'), 'find out why, then “Clear” at the surface');
+  assert.equal(here('look at the cable and at `auvmission doctor`'), 'look at the cable and at `auvmission doctor`');
 });
 
 test('how long a vehicle may be silent is its own: by modem longer', () => {
