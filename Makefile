@@ -5,12 +5,12 @@ READY := .venv/.ready
 # Where that is set, every process of every test would compile all modules anew: twice the time.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: demo console browser test coverage proofs check lint types bench growth compiled test-compiled score campaign faults exhaustive sea docs pictures links clean
+.PHONY: demo console browser test coverage proofs check lint page bench growth compiled test-compiled score campaign faults exhaustive sea docs pictures links clean
 
 DATA ?= ../shared/data/trajectories
 SEED ?= 0
 PAGE := tests/console/page
-TSC := $(PAGE)/node_modules/.bin/tsc
+BROUGHT := $(PAGE)/node_modules/.package-lock.json
 
 demo: $(READY)          ## a mission from a YAML file to the vehicle and home, over real bytes
 	$(BIN)/auvmission demo
@@ -32,17 +32,21 @@ proofs: $(READY)        ## the long proofs: flights, states crossed with events,
 
 check: lint coverage proofs ## what must be green before anything lands
 
-lint: $(READY) types
+lint: $(READY) page
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
-types:                  ## the types of the page's JavaScript; skipped where npm cannot bring tsc
-	@if $(MAKE) --no-print-directory $(TSC); then $(TSC) -p $(PAGE); \
-	else echo "types of the page: skipped, since npm (apt-get install npm) brought no compiler"; fi
+page:                   ## types, linter and tests of the page's JavaScript; skipped where npm brings nothing
+	@if $(MAKE) --no-print-directory $(BROUGHT); then \
+	  $(PAGE)/node_modules/.bin/tsc -p $(PAGE) && \
+	  $(PAGE)/node_modules/.bin/eslint -c $(PAGE)/eslint.config.js mission/console/page $(PAGE); \
+	else echo "types and linter of the page: skipped, since npm (apt-get install npm) brought neither"; fi
+	@if command -v node > /dev/null; then node --test --test-reporter=dot $(PAGE)/*.test.js; \
+	else echo "tests of the page: skipped, since there is no node (apt-get install nodejs)"; fi
 
-$(TSC): $(PAGE)/package-lock.json
+$(BROUGHT): $(PAGE)/package-lock.json
 	npm ci --silent --ignore-scripts --no-audit --no-fund --prefix $(PAGE)
 	@touch $@
 

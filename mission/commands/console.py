@@ -106,15 +106,16 @@ def _run(
     vehicle: str | None,
     browser: bool,
 ) -> None:
-    from mission.console.recorded import Recorded
+    from mission.console.recorded import Recorded, told_apart
     from mission.console.serving import serve
     from mission.console.vehicle import Vehicle
     from mission.topside.dives import default_folder
 
     def made() -> list[Shown]:
         live = [Vehicle(str(n), one, default_folder()) for n, one in enumerate(given, 1)]
-        shown = enumerate(replayed, len(live) + 1)
-        return [*live, *(Recorded(str(n), Path(name).name, r, vehicle) for n, (name, r) in shown)]
+        names = told_apart([file for file, _ in replayed])
+        shown = enumerate(zip(names, replayed, strict=True), len(live) + 1)
+        return [*live, *(Recorded(str(n), name, r, vehicle) for n, (name, (_, r)) in shown)]
 
     def ready(address: str) -> None:
         click.echo(f"open {address}")

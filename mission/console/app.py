@@ -82,6 +82,7 @@ class _Console:
     @contextlib.asynccontextmanager
     async def lifespan(self, app: Starlette) -> AsyncIterator[None]:
         tasks = [asyncio.ensure_future(one.run()) for one in self._shown.values()]
+        tasks.append(asyncio.ensure_future(worked(plans.get_ready)))
         try:
             yield
         finally:

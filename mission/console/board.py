@@ -15,7 +15,7 @@ from typing import Any
 from mission.onboard.serve.monitor import MOST_BYTES, Monitor
 from mission.topside.monitor import Watched
 
-_WISH = json.dumps({"wish": {"bytes": MOST_BYTES, "plan": False}}).encode() + b"\n"
+_WISH = json.dumps({"wish": {"bytes": MOST_BYTES, "plan": False, "past": "all"}}).encode() + b"\n"
 BACK_S = 1.0  # that the vehicle's time may go back within one run
 
 
@@ -64,7 +64,7 @@ class Board:
         if watched is not self._of or t < self._t - BACK_S:
             self._anew(now)
             self._of = watched
-        self._t = t
+        self._t, self._monitor.past = t, watched.past
         fresh, self._told = watched.told - self._told, watched.told
         for line in list(watched.events)[-fresh:] if fresh > 0 else ():
             self._monitor.event(line)

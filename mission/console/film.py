@@ -15,6 +15,7 @@ from typing import Any
 
 from mission.analysis.replay.playback import Playback
 from mission.model import Record
+from mission.model.past import Past
 from mission.topside.monitor import EVENTS, TRACK, Watched
 
 EVERY_S = 0.5  # of the recording, between two frames
@@ -36,6 +37,7 @@ class Film:
         self._events: list[str] = []
         self._track: list[list[float]] = []
         self._plan: list[str] = []
+        self._past = Past()
         self._state: dict[str, Any] = {}
         self._run_to(0.0)
 
@@ -64,6 +66,7 @@ class Film:
         if len(self._frames) % KEY == 0:
             self._keys.append(dict(self._state))
         self._state.update(frame.get("state", {}))
+        self._past.take(self._state)
         self._events += frame.get("events", ())
         self._track += frame.get("track", ())
         self._plan += frame.get("plan", ())
@@ -83,7 +86,9 @@ class Film:
         if not count:
             return watched
         events, track, plan = self._sizes[count - 1]
-        watched.take({"t": self._times[count - 1], "state": self._state_of(count)}, now)
+        state = self._state_of(count)
+        watched.past = Past(self._past.until(state.get("report_at") or 0.0))
+        watched.take({"t": self._times[count - 1], "state": state}, now)
         watched.take({"t": self._times[count - 1], "plan": self._plan[:plan]}, now)
         watched.events.extend(self._events[max(0, events - EVENTS) : events])
         watched.told = events

@@ -27,7 +27,6 @@ from mission.model.diagnostics import Diagnostic
 from mission.topside.overdue import plan_of
 from mission.topside.underwater import BatchTalk
 from mission.topside.upload import (
-    Conversation,
     OperatorError,
     Refused,
     Script,
@@ -174,7 +173,7 @@ async def _upload(asked: Asked) -> str:
         if line.acoustics is not None:
             achieved = await line.hold(BatchTalk(lines, digest, line.acoustics, progress))
         else:
-            achieved = await line.hold(Conversation(upload(lines, digest, progress)))
+            achieved = await line.say(upload(lines, digest, progress))
     finally:
         line.is_uploading = False
     vehicle.uploaded(await asyncio.to_thread(plans.shown, prepared))

@@ -5,8 +5,9 @@
                      what is urgent goes before all, and goes on over the next connection;
                      a look goes behind all
 
-A link that is lost is aborted, and with it what waits in it: a stick of some seconds ago is no
-command. By modem, where one speaks at a time and seconds are usual, there is neither beat nor loss.
+How long an answer is waited for follows the link (latency). A link that is lost is aborted, and
+with it what waits in it: a stick of some seconds ago is no command. By modem, where one speaks at a
+time and seconds are usual, there is neither beat nor loss.
 
 What does not live here: what is said (topside), who may say it (vehicle).
 """
@@ -22,6 +23,7 @@ from dataclasses import dataclass
 
 from links import open_link
 from links.base import Link, LinkClosed, LinkError
+from mission.console.latency import Latency
 from mission.topside.console import NAME, Talk, Unreachable
 from mission.topside.helm import Helm
 from mission.topside.stick import LOST_S as STEERING_S
@@ -29,11 +31,13 @@ from mission.topside.stick import forget
 from mission.topside.underwater import Submerged, modem_address
 from mission.topside.upload import Ask, Conversation, OperatorError, Script, is_report
 from protocol.messages import StateQuery, StateReport, StoreQuery
+from protocol.topside import Answer, encode
 
 LOST_S = 6.0
 BEAT_S, STEERING_BEAT_S = 1.0, 0.5
 AGAIN_S = 1.0
 TICK_S = 0.25
+STATE_QUERY = encode(StateQuery())
 OPENING = 2  # at a time: the one that is kept, and the next
 
 
@@ -75,7 +79,8 @@ class Line:
         self._job: _Job | None = None
         self._waiting: deque[_Job] = deque()
         self._stir = asyncio.Event()
-        self._heard = self._beat = 0.0
+        self._latency = Latency(LOST_S)
+        self._heard = self._beat = self._told = 0.0
 
     @property
     def is_open(self) -> bool:
@@ -103,8 +108,11 @@ class Line:
         """What was achieved. Raises OperatorError, NotSent where there is no connection; what is
         urgent waits for one, what is idle breaks off for all else."""
         if self.acoustics is None:
-            return await self.hold(Conversation(script), urgent=urgent, idle=idle)
+            return await self.hold(self._conversation(script), urgent=urgent, idle=idle)
         return await self.hold(Submerged(script, self.acoustics), urgent=urgent, idle=idle)
+
+    def _conversation(self, script: Script) -> Conversation:
+        return Conversation(script, lambda: self._latency.patience_s)
 
     async def hold(self, talk: Talk, *, urgent: bool = False, idle: bool = False) -> str:
         if self._link is None and not urgent:
@@ -175,6 +183,7 @@ class Line:
         """Until it is lost, or another takes its place."""
         loop, descriptor = asyncio.get_running_loop(), link.fileno()
         self._link, self._heard, self._beat = link, time.monotonic(), 0.0
+        self._latency.connected()
         loop.add_reader(descriptor, self._stir.set)
         try:
             while self._next is None:
@@ -193,6 +202,7 @@ class Line:
         """One turn of the loop: hears, steers, says. Raises LinkError."""
         for rx in link.receive(now):
             self._heard = self.answered = now
+            self._hear(rx.data, now)
             if self._job is not None and self._job.begun:
                 self._send(link, self._job.talk.receive(rx.data, now), now)
         if self._is_lost(now):
@@ -201,8 +211,12 @@ class Line:
         self._steer(link, now)
         self._converse(link, now)
 
+    def _hear(self, data: bytes, now: float) -> None:
+        if (state := self._latency.heard(data, now)) is not None:
+            self.state, self._told = state, now
+
     def _is_lost(self, now: float) -> bool:
-        within = LOST_S if self.helm.is_silent else STEERING_S
+        within = LOST_S + self._latency.way_s if self.helm.is_silent else STEERING_S
         return self.acoustics is None and now - self._heard > within
 
     def _lose(self) -> None:
@@ -251,10 +265,11 @@ class Line:
         return None
 
     def _beats(self) -> Script:
-        answer = yield Ask("state", StateQuery(), lambda a: isinstance(a, StateReport), tries=1)
-        self.state = answer if isinstance(answer, StateReport) else None
-        if self.state is None:  # an older program knows no @AE
-            yield Ask("store", StoreQuery(), is_report, tries=1)
+        """Each second, also where the answers of some are still on their way."""
+        answer = yield Ask("state", StateQuery(), _is_state, tries=1, by_clock=True)
+        if answer is None and time.monotonic() > self._told + self._latency.patience_s:
+            self.state = None  # an older program knows no @AE
+            yield Ask("store", StoreQuery(), is_report, tries=1, by_clock=True)
         return ""
 
     async def _wait(self) -> None:
@@ -271,7 +286,13 @@ class Line:
 
     def _send(self, link: Link, frames: list[bytes], now: float) -> None:
         for frame in frames:
+            if frame == STATE_QUERY:
+                self._latency.asked(now)
             link.send(frame, now)
+
+
+def _is_state(answer: Answer) -> bool:
+    return isinstance(answer, StateReport)
 
 
 def _fail(job: _Job | None, why: str) -> None:

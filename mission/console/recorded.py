@@ -5,6 +5,9 @@ from __future__ import annotations
 import asyncio
 import threading
 import time
+from collections import Counter
+from collections.abc import Sequence
+from pathlib import PurePath
 from typing import Any
 
 from mission.console import plans
@@ -14,6 +17,24 @@ from mission.console.recording import Recording
 from mission.topside.contacts import SILENT_S
 
 EVERY_S = 0.2
+
+
+def told_apart(files: Sequence[str]) -> list[str]:
+    """A name for each: as much of its path as sets it apart; of one that comes twice its number."""
+    parts = [PurePath(file).parts for file in files]
+    found = [_among(own, parts) for own in parts]
+    seen, names = Counter[str](), list[str]()
+    for name in found:
+        seen[name] += 1
+        names.append(name if seen[name] == 1 else f"{name} ({seen[name]})")
+    return names
+
+
+def _among(own: Sequence[str], others: Sequence[Sequence[str]]) -> str:
+    like = [other for other in others if other != own]
+    most = len(own)
+    kept = next((n for n in range(1, most) if all(o[-n:] != own[-n:] for o in like)), most)
+    return str(PurePath(*own[-kept:]))
 
 
 class Recorded:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import logging
 import secrets
 import socket
 from collections.abc import Callable, Sequence
@@ -16,6 +17,8 @@ from mission.topside.dives import default_folder
 HOST = "127.0.0.1"
 SAID = 2 << 20  # bytes of one message of a page: an upload
 LEAVE_S = 2
+# What uvicorn says of a WebSocket that was answered by HTTP, as whoever may not ask is (admission).
+ANSWERED = "ASGI callable returned without completing handshake."
 
 
 def listen(port: int) -> socket.socket:
@@ -39,6 +42,7 @@ async def serve(
         app, log_level="warning", access_log=False, server_header=False, ws_max_size=SAID,
         ws_per_message_deflate=False, timeout_graceful_shutdown=LEAVE_S, lifespan="on",
     )  # fmt: skip
+    logging.getLogger("uvicorn.error").addFilter(_is_news)
     running = uvicorn.Server(config)
     server(running)
     serving = asyncio.ensure_future(running.serve(sockets=[listening]))
@@ -48,3 +52,8 @@ async def serve(
         ready(f"http://{HOST}:{port}/#{token}")
     await serving
     shelf.close()
+
+
+def _is_news(record: logging.LogRecord) -> bool:
+    """A page of another origin could fill the terminal with refusals."""
+    return record.msg != ANSWERED

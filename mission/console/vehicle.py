@@ -67,7 +67,7 @@ class Vehicle:
         remembered = "" if given.simulated else given.to  # what is made up is never missed
         self.contacts = Contacts(remembered, memory, given.vehicle)
         self.checked: dict[str, float] = {}
-        self._source = from_monitor(given.monitor, FRAME) if given.monitor else None
+        self._source = from_monitor(given.monitor, FRAME, "before") if given.monitor else None
         self._looked = Watched()
         self._heard, self._clock = self._looked, VehicleClock(given.speed)
         self._look_problem = ""

@@ -13,6 +13,8 @@ from collections import Counter, deque
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from mission.model.past import Past, is_row
+
 MOST = 1 << 20  # bytes of one frame
 EVENTS, TRACK = 1000, 10_000  # that are kept
 SPARE = 1000  # points more, before the oldest are let go
@@ -21,7 +23,7 @@ SPARE = 1000  # points more, before the oldest are let go
 Frame = Mapping[str, Any]
 _PARTS: Mapping[str, tuple[type, ...]] = {
     "n": (int,), "t": (int, float), "state": (dict,), "gap": (int,),
-    "events": (list,), "track": (list,), "plan": (list,),
+    "events": (list,), "track": (list,), "plan": (list,), "past": (list,),
 }  # fmt: skip
 
 
@@ -30,9 +32,9 @@ class NoMonitor(ValueError):
 
 
 def wish(
-    rate: float = 5.0, most: int = 16_000, values: tuple[str, ...] = (), **more: bool
+    rate: float = 5.0, most: int = 16_000, values: tuple[str, ...] = (), **more: bool | str
 ) -> bytes:
-    """What a viewer says first; ``more``: ``track``, ``plan``."""
+    """What a viewer says first; ``more``: ``track``, ``plan``, ``past``."""
     said = {"rate": rate, "bytes": most, "values": list(values), **more}
     return json.dumps({"wish": said}).encode() + b"\n"
 
@@ -46,6 +48,7 @@ class Watched:
         self.events: deque[str] = deque(maxlen=EVENTS)
         self.track: list[list[float]] = []
         self.plan: tuple[str, ...] = ()
+        self.past = Past()
         self.gap = self.told = 0  # events that are missing, and that came
         self.at: tuple[float, float] | None = None
         self._heard = b""
@@ -70,8 +73,11 @@ class Watched:
     def take(self, frame: Mapping[str, Any], now: float) -> None:
         if self.at is not None and frame["t"] < self.at[0]:
             self._told_before.clear()  # it began anew, and so do its lines
+            self.past = Past()
         self.at = (frame["t"], now)
         self.state.update(frame.get("state", {}))
+        self.past.take(self.state)
+        self.past.add(frame.get("past", ()))
         events = self._new(frame.get("events", ()))
         self.events += events
         self.told += len(events)
@@ -106,7 +112,8 @@ class Watched:
 def _frame(line: bytes) -> Frame:
     try:
         said: dict[str, Any] = {"n": None, "t": None} | json.loads(line)
-        if all(isinstance(said[name], kind) for name, kind in _PARTS.items() if name in said):
+        whole = all(isinstance(said[name], kind) for name, kind in _PARTS.items() if name in said)
+        if whole and all(map(is_row, said.get("past", ()))):
             return said
     except (ValueError, TypeError, KeyError, RecursionError):
         pass

@@ -57,7 +57,7 @@ def order(
     """STOP or SURFACE. ``tell`` gets what is known before the reports are looked at. Raises
     NoAnswer, Contradicted, Unconfirmed."""
     what = WORDS[which]
-    answer = yield Ask(what, Emergency(which), _is_order_taken, tries=ORDER_TRIES)
+    answer = yield Ask(what, Emergency(which), _is_order_taken, tries=ORDER_TRIES, by_clock=True)
     if answer is None:
         raise NoAnswer((yield from _why_no_answer(what)))
     tell(f"{what}: the vehicle has it; what its reports show is looked at now")
@@ -80,7 +80,7 @@ def _look(which: Order, looks: int) -> Generator[Ask, Answer | None, Seen]:
     first = yield from _report()
     seen, fresh = Seen(None, "no report of the vehicle has come since"), list[Status]()
     for _ in range(looks):
-        yield Ask("wait", StoreQuery(), lambda _: False, tries=1)
+        yield Ask("wait", StoreQuery(), lambda _: False, tries=1, by_clock=True)
         told = yield from _report()
         if told is None or (first is not None and told.time == first.time):
             continue

@@ -47,12 +47,13 @@ class Source:
             self.stopped.wait(AGAIN_S)
 
 
-def from_monitor(url: str, most: int = 16_000) -> Source:
-    """``most``: bytes of a frame, which are how late it is behind a thin link."""
+def from_monitor(url: str, most: int = 16_000, past: str = "") -> Source:
+    """``most``: bytes of a frame, which are how late it is behind a thin link. ``past``: "before"
+    for what the values were before."""
 
     def fill(source: Source) -> None:
         source.watched.connected()
-        for frame in observe(url, wish(most=most), source.watched):
+        for frame in observe(url, wish(most=most, past=past), source.watched):
             if frame is not None:
                 source.problem = ""
             if source.stopped.is_set():

@@ -66,6 +66,7 @@ class Ask:
     command: Command
     fits: Callable[[Answer], bool]
     tries: int = TRIES
+    by_clock: bool = False  # again, or over, each ANSWER_S, however long the way
 
 
 Script = Generator[Ask, Answer | None, str]
@@ -99,10 +100,11 @@ class Scripted:
 
 
 class Conversation(Scripted):
-    """A script by radio: each request again after 300 ms without an answer (R1)."""
+    """A script by radio: each request again while no answer comes (R1). ``patience``: s for it."""
 
-    def __init__(self, script: Script) -> None:
+    def __init__(self, script: Script, patience: Callable[[], float] = lambda: ANSWER_S) -> None:
         super().__init__(script)
+        self._patience = patience
         self._codec = ConsoleCodec()
         self._tries, self._due = 0, 0.0
 
@@ -136,7 +138,8 @@ class Conversation(Scripted):
 
     def _send(self, now: float) -> list[bytes]:
         assert self._ask is not None
-        self._tries, self._due = self._tries + 1, now + ANSWER_S
+        wait = ANSWER_S if self._ask.by_clock else self._patience()
+        self._tries, self._due = self._tries + 1, now + wait
         return [encode(self._ask.command)]
 
 
@@ -233,7 +236,7 @@ def start(patience: int = 0) -> Script:
         report = yield from asked_store()
         if not left:
             raise Refused(report.refusal or "the vehicle does not say why")
-        yield Ask("wait", StoreQuery(), lambda _: False, tries=1)
+        yield Ask("wait", StoreQuery(), lambda _: False, tries=1, by_clock=True)
     raise AssertionError
 
 

@@ -1,10 +1,13 @@
 """Pictures of every view of the cockpit in three sizes, of the real program in a real Chromium.
 
 python tests/console/pictures.py      into docs/pictures/cockpit, where the site takes them
+
+They have so few colours because they are kept with the code. Look at each before it is.
 """
 
 from __future__ import annotations
 
+import io
 import re
 import signal
 import sys
@@ -12,6 +15,8 @@ import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+
+from PIL import Image
 
 ROOT = Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(ROOT / "tests" / "worlds"), str(ROOT / "docs")]
@@ -23,6 +28,7 @@ from programs import process  # noqa: E402
 POINTS = "Hatches closed\nDrop weight armed\nBeacon heard\n"
 SHOWN_MS = 1500  # what a view asks for has come
 FLOWN_MS = 20_000
+COLOURS = 64
 
 
 @contextmanager
@@ -51,7 +57,9 @@ def take(seat: Seat, *views: str) -> None:
                 still = playwright.expect(plan.locator(".draft-chart"))
                 still.to_have_attribute("data-still", "planned")
             seat.page.wait_for_timeout(SHOWN_MS)
-            seat.page.screenshot(path=file_of(view, size))
+            shown = Image.open(io.BytesIO(seat.page.screenshot())).convert("RGB")
+            small = shown.quantize(COLOURS, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
+            small.save(file_of(view, size), optimize=True)
 
 
 def main() -> None:

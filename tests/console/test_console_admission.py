@@ -175,6 +175,17 @@ def test_a_vehicle_that_is_not_there_has_no_sockets(console: Console) -> None:
     assert console.ask("/api/vehicles/7/plan")[0] == 404
 
 
+def test_whoever_is_turned_away_leaves_no_line_on_the_terminal(
+    console: Console, caplog: pytest.LogCaptureFixture
+) -> None:
+    for wrong in ({"origin": "http://evil.example"}, {"subprotocols": None}):
+        with pytest.raises(InvalidStatus):
+            console.socket("frames", **wrong)
+    console.ask("/api/setup", Authorization="")
+    time.sleep(0.2)  # uvicorn says it behind the answer
+    assert caplog.records == []
+
+
 def test_it_listens_on_the_loopback_alone(console: Console, tmp_path: Path) -> None:
     assert console.address.startswith("http://127.0.0.1:")
     assert len(console.token) >= 32

@@ -132,6 +132,8 @@ def test_a_recording_is_played_and_scrubbed(chromium: object) -> None:
         until(seat.page, lambda: seat.page.evaluate(BELOW) < 2)
         review.locator("input[type=range]").fill("60")
         seat.shows("#state", "autonomous")
+        strips = playwright.expect(seat.page.locator("#strips canvas"))
+        strips.to_have_attribute("aria-label", re.compile(r"Altitude \d"))  # of before the jump
         review.locator("input[type=range]").fill("1")
         seat.shows("#review .at", "0:0")
         seat.page.get_by_text("Compare", exact=True).click()

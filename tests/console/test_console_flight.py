@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from cable import cable
 from console_world import Console, Page, at_sea, cockpit, console_of, heard, monitor_of, said
 from ports import free_port
 from served import LINES, MISSION, PATIENCE, TEXT, Running, quiet, running, silent_board, soon
@@ -172,6 +173,24 @@ def test_an_intent_is_answered_by_what_became_of_it(tmp_path: Path) -> None:
             ("start", "refused"),
             ("clear", "acknowledged"),
         ]
+
+
+def test_what_is_done_over_a_long_way_is_not_told_to_be_unanswered(tmp_path: Path) -> None:
+    """Three tries of a second each end before the first answer can be there."""
+    with (
+        silent_board() as (_, board),
+        running(tmp_path, f"serial://{board}", monitor="tcp://127.0.0.1:0") as pi,
+        cable(pi.url, delay=1.8) as way,
+        console_of(way.url, tmp_path, monitor_of(pi)) as (console, _),
+        console.socket("frames") as frames,
+    ):
+        converse(pi.url, upload(LINES, digest(MISSION), quiet))
+        Page(frames).until(is_ours, "the line of commands")
+        with console.socket("commands") as commands:
+            said(commands, do="clear")
+            done = heard(commands, "acknowledged", "refused", "unanswered")
+        assert (done["is"], done["says"]) == ("acknowledged", "cleared")
+        assert tuple(pi.store.content.lines) == ()
 
 
 def test_what_is_older_than_half_a_second_is_refused_and_never_said(tmp_path: Path) -> None:

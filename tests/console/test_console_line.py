@@ -11,9 +11,15 @@ from collections.abc import AsyncIterator, Callable
 import pytest
 from served import PATIENCE
 
+from mission.console.latency import Latency
 from mission.console.line import AGAIN_S, Line
 from mission.topside.upload import Ask, OperatorError, Script
-from protocol.messages import DataQuery
+from protocol.messages import DataQuery, StateReport
+from protocol.topside import encode
+
+KNOWN = dict.fromkeys(("report_age", "fix_age", "uncertainty_m", "north_m", "east_m", "to_depth_m"))
+MORE = dict.fromkeys(("to_radius_m", "to_time", "to_voltage_v"))
+STATE = encode(StateReport("idle/ready", "nobody", **KNOWN, **MORE, alarms=0, setpoint="", leg=""))
 
 
 @contextlib.asynccontextmanager
@@ -75,6 +81,36 @@ def test_a_look_waits_for_what_is_asked_for() -> None:
             look.cancel()
 
     asyncio.run(told())
+
+
+def test_the_way_is_measured_by_the_beat_and_its_slowest_answer_of_late_counts() -> None:
+    latency = Latency(6.0)
+    assert latency.patience_s == 6.0, "nothing was answered so far"
+    for n in range(4):  # asked each second, answered 4 s later
+        latency.asked(float(n))
+    for n in range(4):
+        assert latency.heard(STATE, 4.0 + n) is not None
+    assert (latency.way_s, latency.patience_s) == (4.0, 1.0 + 4.0)
+    for n in range(8):
+        latency.asked(10.0 + n)
+        latency.heard(STATE, 10.1 + n)
+    assert latency.way_s == pytest.approx(0.1)
+
+
+def test_what_was_asked_over_the_last_connection_measures_nothing_over_the_next() -> None:
+    latency = Latency(6.0)
+    latency.asked(0.0)
+    latency.connected()
+    latency.heard(STATE, 60.0)
+    assert latency.way_s == 0.0
+
+
+def test_a_program_that_tells_no_state_is_waited_for_as_ever() -> None:
+    latency = Latency(6.0)
+    for n in range(200):
+        latency.asked(float(n))
+        latency.heard(b"@AQS000000$", n + 0.1)
+    assert latency.patience_s == 1.0
 
 
 def test_a_line_opens_while_whatever_else_runs_in_threads_waits() -> None:

@@ -7,8 +7,10 @@ import base64
 import contextlib
 import gc
 import http.client
+import itertools
 import json
 import math
+import sys
 import tempfile
 import threading
 import time
@@ -28,7 +30,7 @@ from mission.console.asked import Refused, worked
 from mission.console.ghost import KEPT, Ghosts
 from mission.console.planning import difference
 from mission.console.vehicle import Given, Vehicle
-from mission.model.shipped import shipped_missions
+from mission.model.shipped import shipped_missions, vehicle_file
 
 HOME = [30.2874595, 120.1535765]
 TRANSECT = prepare("transect").text
@@ -71,6 +73,56 @@ def test_a_text_with_errors_keeps_its_places_and_its_home() -> None:
     assert found["home"] == HOME
     assert len(found["places"]) == 4
     assert found["refusals"][0]["line"] > 0
+
+
+def long(legs: int) -> str:
+    rows = (f"  - leg_{n}: {{heading: {n % 360}, gear: 6, for: 5 s}}\n" for n in range(legs))
+    return (
+        "mission: long\nvehicle: auv\nhome: {latitude: 30.2874595, longitude: 120.1535765}\n"
+        "safety: {radius: 1400 m, time: 300 min, depth: 30 m}\nlegs:\n"
+        f"{''.join(rows)}  - up: {{surface: true, timeout: 5 min}}\n"
+    )
+
+
+def calls_of(text: str) -> int:
+    """Calls of functions that an answer takes."""
+    called, before = itertools.count(), sys.getprofile()
+
+    def seen(frame: object, event: str, argument: object) -> None:
+        if event == "call":
+            next(called)
+
+    sys.setprofile(seen)
+    try:
+        plans.checked(text, "long.yaml", None)
+    finally:
+        sys.setprofile(before)
+    return next(called)
+
+
+def test_an_answer_while_typing_costs_as_much_for_each_line_however_many_there_are() -> None:
+    plans.checked(long(1), "long.yaml", None)
+    few, some, many = (calls_of(long(legs)) for legs in (20, 60, 100))
+    assert many - some < 1.05 * (some - few)
+    assert some - few < 40 * 1000, "calls for a line"
+
+
+def test_typing_reads_the_vehicles_file_once_and_again_where_it_has_changed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    read = list[str]()
+    reading = plans.read_vehicle
+    monkeypatch.setattr(
+        plans, "read_vehicle", lambda text, where: [read.append(text), reading(text, where)][1]
+    )
+    file = tmp_path / "mine.yaml"
+    file.write_text(vehicle_file("auv").read_text(encoding="utf-8"))
+    for legs in (1, 2, 3):
+        assert plans.checked(long(legs), "long.yaml", str(file))["ok"]
+    assert len(read) == 1
+    file.write_text(file.read_text().replace("vehicle: auv", "vehicle: auv  # mended", 1))
+    assert plans.checked(long(1), "long.yaml", str(file))["ok"]
+    assert len(read) == 2
 
 
 def test_the_names_that_an_exit_may_lead_to_are_told() -> None:

@@ -18,9 +18,10 @@ from mission.console import film as film_module
 from mission.console.board import Board
 from mission.console.film import EVERY_S, Film
 from mission.console.hindsight import hindsight
-from mission.console.recorded import Recorded
+from mission.console.recorded import Recorded, told_apart
 from mission.console.recording import Recording
 from mission.model import Record
+from mission.model.past import NAMES
 from mission.navigation.geodesy import LocalFrame
 from mission.onboard.runtime.records import ListRecorder
 from mission.topside.monitor import Watched
@@ -117,6 +118,24 @@ def test_what_is_no_recording_is_refused() -> None:
         Recording([])
 
 
+@pytest.mark.parametrize(
+    ("files", "names"),
+    [
+        (["log/a.mcap", "log/b.mcap"], ["a.mcap", "b.mcap"]),
+        (["/sea/1/flight.mcap", "/sea/2/flight.mcap"], ["1/flight.mcap", "2/flight.mcap"]),
+        (["a/x/flight.mcap", "b/x/flight.mcap", "c.mcap"],
+         ["a/x/flight.mcap", "b/x/flight.mcap", "c.mcap"]),
+        (["flight.mcap", "old/flight.mcap"], ["flight.mcap", "old/flight.mcap"]),
+        (["a/f.mcap", "a/f.mcap"], ["f.mcap", "f.mcap (2)"]),
+        (["float-test"], ["float-test"]),
+    ],
+)  # fmt: skip
+def test_recordings_of_one_name_are_told_apart_by_no_more_than_it_takes(
+    files: list[str], names: list[str]
+) -> None:
+    assert told_apart(files) == names
+
+
 # --- the film ---------------------------------------------------------------------------------
 
 
@@ -141,6 +160,7 @@ def test_what_stood_at_a_time_is_the_same_by_the_film_as_by_running_up_to_it(
         found = film.at(t, 0.0)
         assert (found.state, list(found.events)) == (ran.state, list(ran.events))
         assert (found.track, found.plan, found.told) == (ran.track, ran.plan, ran.told)
+        assert found.past.rows == ran.past.rows
 
 
 @pytest.mark.proof
@@ -151,6 +171,49 @@ def test_playing_on_from_a_time_ends_where_a_jump_would(records: list[Record]) -
         watched.take(frame, 0.0)
     there = film.at(30.0, 0.0)
     assert (watched.state, watched.track, watched.told) == (there.state, there.track, there.told)
+    assert watched.past.rows == there.past.rows
+    assert len(there.past.rows) > 10
+
+
+def pasts(board: Board, page: str, watched: Watched, t: float) -> list[float]:
+    """Times of the rows that a page is told of, until nothing is left."""
+    told = list[float]()
+    while line := board.frame(page, watched, {**watched.state, "wall": len(told)}, t, t):
+        frame = json.loads(line)
+        board.answer(page, frame["n"], t)
+        if not frame.get("past"):
+            return told
+        told += [row[0] for row in frame["past"]]
+    return told
+
+
+def test_a_page_that_comes_late_has_all_rows_of_before_and_then_each_once() -> None:
+    board, watched = Board(), Watched()
+
+    def passes(t: float) -> None:
+        watched.take({"t": t, "state": {"report_at": t, "battery": 12.0}}, t)
+
+    for t in range(100):
+        passes(float(t))
+    board.come("late", 100.0)
+    assert pasts(board, "late", watched, 100.0) == list(range(100))
+    passes(100.0)
+    watched.take({"t": 100.5, "past": [[-5.0, *(1.0 for _ in NAMES)]]}, 100.5)  # learned behind it
+    assert pasts(board, "late", watched, 101.0) == [100.0, -5.0]
+    board.come("later", 101.0)
+    assert sorted(pasts(board, "later", watched, 101.0)) == [-5.0, *range(101)]
+
+
+@pytest.mark.proof
+def test_a_jump_fills_the_strips_with_what_went_before_and_with_nothing_behind(
+    records: list[Record],
+) -> None:
+    film, board = whole(records), Board()
+    board.come("page", 0.0)
+    for t in (film.end, 30.0):
+        told = pasts(board, "page", film.at(t, 0.0), t)
+        assert told[0] < 2.0
+        assert t - 4.0 <= told[-1] <= t
 
 
 @pytest.mark.proof

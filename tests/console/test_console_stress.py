@@ -17,6 +17,7 @@ from served import soon
 from mission.console.board import Board
 from mission.console.clock import VehicleClock
 from mission.console.vehicle import FRAME
+from mission.model.past import NAMES, ROWS
 from mission.onboard.serve.monitor import EVENTS as WAITING
 from mission.onboard.serve.monitor import TRACK as THINNED
 from mission.onboard.serve.monitor import Monitor
@@ -51,7 +52,9 @@ class Way:
 
 def seen(t: float) -> dict[str, Any]:
     """A state of which all is new, as large as the real one."""
-    return {"report_at": round(t, 2), **{f"value_{n:02}": round(t + n / 7, 3) for n in range(40)}}
+    told = {name: round(t + n / 7, 3) for n, name in enumerate(NAMES)}
+    more = {f"value_{n:02}": round(t + n / 7, 3) for n in range(40 - len(told))}
+    return {"report_at": round(t, 2), **told, **more}
 
 
 class Probe:
@@ -84,8 +87,9 @@ class Behind:
         self.ages, self.on_screen = list[tuple[float, float]](), list[float]()
         for n in range(WAITING):  # what happened before anybody looked
             self._happens(float(n))
+            self._monitor.past.take(seen(float(n)))
         self._monitor.connected("console", 0.0)
-        self._monitor.receive("console", wish(most=FRAME), 0.0)
+        self._monitor.receive("console", wish(most=FRAME, past="before"), 0.0)
         self._board.come("page", 0.0)
 
     def _happens(self, t: float) -> None:
@@ -198,6 +202,8 @@ def test_a_day_of_frames_leaves_no_more_than_the_bounds() -> None:
     assert watched.told == DAY_S // EVERY_S
     assert len(watched.events) == EVENTS
     assert len(monitor.track.points) <= THINNED
+    assert len(watched.past.rows) <= ROWS
+    assert watched.past.rows[0][0] == 0
     board.answer("sleeps", 1, DAY_S)
     said = json.loads(board.frame("sleeps", watched, watched.state, float(DAY_S), DAY_S))
     told = len(said["events"])

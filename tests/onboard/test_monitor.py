@@ -188,6 +188,42 @@ def test_a_long_track_is_thinned_and_every_viewer_has_it_to_its_end() -> None:
     assert max(later - sooner for sooner, later in itertools.pairwise(times)) <= 4.0, "no hole"
 
 
+def reported(t: float) -> dict[str, Any]:
+    return {**STATE, "report_at": t, "battery": 12.0 - t / 1e4}
+
+
+def test_who_comes_later_is_told_what_the_values_were_the_newest_first() -> None:
+    show = Show(past="before", most=600)
+    for t in range(300):
+        show.monitor.past.take(reported(float(t)))
+    show.monitor.receive(BOAT, wish(past="before", most=600), 0.0)
+    frames = [json.loads(frame) for frame in show.settle(STATE)]
+    told = [row[0] for frame in frames for row in frame.get("past", ())]
+    assert told == [float(t) for t in reversed(range(300))]
+    assert show.watched.past.rows == show.monitor.past.rows
+
+
+def test_what_comes_later_is_in_the_state_and_not_told_twice() -> None:
+    show = Show(past="before")
+    for t in range(5):
+        show.monitor.past.take(reported(float(t)))
+        assert all("past" not in json.loads(frame) for frame in show.settle(reported(float(t))))
+    assert show.watched.past.rows == show.monitor.past.rows
+
+
+def test_who_wishes_for_no_past_is_told_none() -> None:
+    show = Show()
+    show.monitor.past.take(reported(1.0))
+    show.monitor.receive(BOAT, wish(), 0.0)
+    assert all(b"past" not in frame for frame in show.settle(STATE))
+
+
+@pytest.mark.parametrize("rows", ['[["a"]]', "[1]", "[[1.0]]"])
+def test_a_past_that_is_none_is_no_monitors(rows: str) -> None:
+    with pytest.raises(NoMonitor):
+        Watched().receive(b'{"n": 1, "t": 1.0, "past": %s}\n' % rows.encode(), 0.0)
+
+
 def test_who_does_not_read_for_20_s_is_sent_away_and_who_reads_stays() -> None:
     show = Show()
     show.monitor.connected("mute:1", 0.0)

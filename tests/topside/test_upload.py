@@ -241,6 +241,20 @@ def test_status_brings_both_reports() -> None:
     assert store.digest == DIGEST[:16]
 
 
+def test_over_a_long_way_what_was_asked_is_not_given_up_before_it_can_be_answered() -> None:
+    conversation = Conversation(start(), lambda: 5.0)
+    assert conversation.begin(0.0) == [b"@AA$"]
+    assert conversation.handle_timer(4.9) == []
+    assert conversation.receive(encode(Ack(0.0, "A", "A", ord("A"))), 4.9) == []
+    assert conversation.result == "started"
+
+
+def test_an_order_is_said_again_each_second_however_long_the_way() -> None:
+    conversation = Conversation(order(Order.STOP), lambda: 5.0)
+    conversation.begin(0.0)
+    assert [conversation.handle_timer(float(t)) for t in range(1, 10)] == [[b"@ZAX0$"]] * 9
+
+
 def test_an_answer_to_nothing_is_dropped() -> None:
     conversation = Conversation(start())
     conversation.begin(0.0)

@@ -5,16 +5,20 @@ from __future__ import annotations
 import selectors
 import socket
 import threading
+import time
+from collections import deque
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from urllib.parse import urlsplit
 
 
 class Cable:
-    """Carries TCP to ``url``. ``pull``: nothing passes any more, and nobody is told; ``lose``: all
-    connections end at once, and none is made; ``plug``: both are over."""
+    """Carries TCP to ``url``, each way in ``delay`` s. ``pull``: nothing passes any more, and nobody
+    is told; ``lose``: all connections end at once, and none is made; ``plug``: both are over."""
 
-    def __init__(self, url: str) -> None:
+    def __init__(self, url: str, delay: float = 0.0) -> None:
+        self._delay = delay
+        self._way: deque[tuple[float, socket.socket, bytes]] = deque()
         to = urlsplit(url)
         self._to = (str(to.hostname), int(to.port or 0))
         self._listening = socket.create_server(("127.0.0.1", 0))
@@ -50,6 +54,10 @@ class Cable:
                     self._accept()
                 elif not self._is_pulled:
                     self._carry(key.fileobj, key.data)  # type: ignore[arg-type]
+            while self._way and self._way[0][0] <= time.monotonic():
+                _, far, data = self._way.popleft()
+                with suppress(OSError):
+                    far.sendall(data)
             if self._is_pulled:
                 threading.Event().wait(0.02)  # what waits, waits
 
@@ -66,9 +74,9 @@ class Cable:
         data = b""
         with suppress(OSError):
             data = near.recv(65536)
-            if data:
-                far.sendall(data)
-        if not data:
+        if data:
+            self._way.append((time.monotonic() + self._delay, far, data))
+        else:
             self._end(near, far)
 
     def _end(self, *both: socket.socket) -> None:
@@ -84,8 +92,8 @@ class Cable:
 
 
 @contextmanager
-def cable(url: str) -> Iterator[Cable]:
-    made = Cable(url)
+def cable(url: str, delay: float = 0.0) -> Iterator[Cable]:
+    made = Cable(url, delay)
     try:
         yield made
     finally:

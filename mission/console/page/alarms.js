@@ -132,11 +132,16 @@ function keyOf(alarm) {
   return alarm.of + alarm.level + alarm.name.replace(/[\d.]+/g, '');
 }
 
+/** What to do, where it is a button of this page. @param {string} todo */
+export function here(todo) {
+  return todo.replace(/`auvmission (clear|stop)`/g, (_, name) => `“${word(name)}”`);
+}
+
 /** @param {Element | undefined} row @param {Owned} alarm */
 function tellRow(row, alarm) {
   const [name, words] = row?.children ?? [];
   if (name) say(name, [alarm.whose, alarm.name].filter(Boolean).join(': '));
-  const more = [alarm.words, alarm.do].filter(Boolean).join(' — ');
+  const more = [alarm.words, here(alarm.do)].filter(Boolean).join(' — ');
   if (words) say(words, more);
 }
 

@@ -11,7 +11,7 @@ import { Frame } from './geo.js';
 import { Depths, Picture, blend, share } from './pictures.js';
 import { Shapes } from './shapes.js';
 import { Tiles } from './tiles.js';
-import { Refused, ask } from './wire.js';
+import { ask, load, want } from './wire.js';
 
 /** @typedef {import('./geo.js').Pair} Pair
  * @typedef {import('./view.js').View} View
@@ -66,29 +66,22 @@ export class Charts {
   /** @param {any} about @param {string} path @returns {Promise<Drawn>} */
   async _drawn(about, path) {
     if (about.kind === 'tiles') {
-      const load = (/** @type {number[]} */ ...tile) => this._picture([path, ...tile].join('/'));
-      return new Tiles(about, load, this._redraw);
+      const tiled = (/** @type {number[]} */ ...tile) => this._picture([path, ...tile].join('/'));
+      return new Tiles(about, tiled, this._redraw);
     }
     if (about.kind === 'picture') {
       const picture = await this._picture(path);
       if (picture === null) throw new Error('no picture');
       return new Picture(picture, about);
     }
-    const answer = await this._fetch(path);
+    const answer = await load(path, this._token);
     if (about.kind === 'depths') return new Depths(new Float32Array(await answer.arrayBuffer()), about);
     return new Shapes(await answer.json());
   }
 
-  /** @param {string} path */
-  async _fetch(path) {
-    const answer = await fetch(path, { headers: { Authorization: `Bearer ${this._token}` } });
-    if (!answer.ok) throw new Refused(answer.status, answer.statusText);
-    return answer;
-  }
-
   /** @param {string} path @returns {Promise<ImageBitmap | null>} null: there is none */
   async _picture(path) {
-    const answer = await this._fetch(path);
+    const answer = await load(path, this._token);
     return answer.status === 204 ? null : createImageBitmap(await answer.blob());
   }
 
@@ -180,10 +173,7 @@ export class Charts {
 
   /** @param {File} file */
   async _bring(file) {
-    const answer = await fetch(`/api/charts/${encodeURIComponent(file.name)}`, { method: 'POST',
-      headers: { Authorization: `Bearer ${this._token}` }, body: file });
-    const said = await answer.json().catch(() => ({}));
-    if (!answer.ok || said.says) throw new Refused(answer.status, said.says ?? answer.statusText);
+    const said = await want(`/api/charts/${encodeURIComponent(file.name)}`, this._token, file);
     this.layers = this.layers.filter((layer) => layer.name !== said.name);
   }
 }

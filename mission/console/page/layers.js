@@ -250,8 +250,8 @@ function besideLines(pen, view, scene, inks) {
 }
 
 /** @param {Pen} pen @param {View} view @param {Beside} beside @param {string} ink
- * @param {string} paper @param {number} down px, of its name @param {number[]} [dashes] */
-function besideLine(pen, view, { name, line, at }, ink, paper, down, dashes = []) {
+ * @param {string} back @param {number} down px, of its name @param {number[]} [dashes] */
+function besideLine(pen, view, { name, line, at }, ink, back, down, dashes = []) {
   pen.strokeStyle = ink;
   pen.lineWidth = 2;
   pen.setLineDash(dashes);
@@ -262,7 +262,7 @@ function besideLine(pen, view, { name, line, at }, ink, paper, down, dashes = []
   pen.beginPath();
   pen.arc(x, y, 6, 0, TURN);
   pen.stroke();
-  label(pen, name, x + 10, y + down, ink, paper);
+  label(pen, name, x + 10, y + down, ink, back);
 }
 
 /** @param {Pen} pen @param {View} view @param {Scene} scene @param {Inks} inks */

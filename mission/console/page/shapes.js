@@ -24,9 +24,9 @@ export class Shapes {
     this._shapes = shapes;
     /** @type {{frame: string, drawn: {shape: Shape, at: Pair[][]}[]}} */
     this._local = { frame: '', drawn: [] };
-    const depths = shapes.flatMap((s) => (s.depth === null ? [] : [s.depth]));
-    this.least = depths.reduce((a, b) => Math.min(a, b), Infinity);
-    this.greatest = depths.reduce((a, b) => Math.max(a, b), -Infinity);
+    const known = shapes.flatMap((s) => (s.depth === null ? [] : [s.depth]));
+    this.least = known.reduce((a, b) => Math.min(a, b), Infinity);
+    this.greatest = known.reduce((a, b) => Math.max(a, b), -Infinity);
   }
 
   /** @param {Frame} frame */

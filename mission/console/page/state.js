@@ -13,7 +13,8 @@
  * @typedef {{intent: number, report: number, fix: number}} Stale s
  * @typedef {[number, number, number, number | null]} Point t, latitude, longitude, depth
  * @typedef {{n: number, t: number, state?: Record<string, any>, events?: string[],
- *   track?: Point[], gap?: number}} Frame
+ *   track?: Point[], gap?: number, past?: Row[]}} Frame
+ * @typedef {Array<number | null>} Row vehicle's time of a report, then the values of ``PAST``
  * @typedef {{digest: string, name: string, vehicle: string, text: string, lines: number,
  *   svg: string, map: any, home: [number, number] | null, radius: number | null,
  *   problem: string}} Plan
@@ -25,7 +26,7 @@
 
 export const EVENTS = 1000; // that are kept
 export const TRACK = 10_000;
-export const SAMPLES = 6000; // of one strip
+export const ROWS = 4096; // of the past: beyond, every other one goes
 export const HUNG_MS = 2000; // a frame comes each second: without one the server hangs, or is gone
 const CUT_MS = 3000; // a connection that is lost is opened again within a second
 
@@ -42,7 +43,9 @@ export const MEASURED = {
 };
 
 export const LATE_S = 2; // without a word of a vehicle that is asked each second: it may hang
-const STRIPS = ['depth', 'altitude', 'heading', 'pitch', 'roll', 'battery'];
+/** What a row of the past has behind its time. */
+export const PAST = ['depth', 'altitude', 'heading', 'pitch', 'roll', 'battery', 'uncertainty',
+  'to_depth', 'to_radius', 'to_time', 'to_voltage'];
 
 export class Vehicle {
   /** @type {Record<string, any>} */
@@ -51,7 +54,9 @@ export class Vehicle {
   events = [];
   /** @type {Point[]} */
   track = [];
-  /** @type {Record<string, Sample[]>} */
+  /** @type {Row[]} by time */
+  past = [];
+  /** @type {Record<string, Sample[]>} the same, by name */
   strips = {};
   /** @type {Record<string, Sample>} the last that was known of each value */
   known = {};
@@ -92,44 +97,59 @@ export function update(vehicle, frame, now) {
   vehicle.events = [...vehicle.events, ...(frame.events ?? [])].slice(-EVENTS);
   vehicle.told += frame.events?.length ?? 0;
   vehicle.gap += frame.gap ?? 0;
-  const track = frame.track ?? [];
-  vehicle.track = [...vehicle.track, ...track].slice(-TRACK);
-  for (const [t, , , depth] of track) sample(vehicle, 'depth', t, depth);
+  vehicle.track = [...vehicle.track, ...frame.track ?? []].slice(-TRACK);
+  if (frame.past?.length) learn(vehicle, frame.past);
   const reported = vehicle.state['report_at'];
   if (typeof reported === 'number' && reported !== before) remember(vehicle, reported);
 }
 
 /** @param {Vehicle} vehicle @param {number} t of the report */
 function remember(vehicle, t) {
-  const state = vehicle.state;
   for (const name of Object.keys(MEASURED)) {
-    if (typeof state[name] === 'number') vehicle.known[name] = [t, state[name]];
-  }
-  for (const name of STRIPS) {
-    if (name in state) sample(vehicle, name, t, state[name]);
-  }
-  if ('ellipse' in state) sample(vehicle, 'uncertainty', t, state['ellipse']?.[0] ?? null);
-  const whole = typeof state['depth'] === 'number' && typeof state['altitude'] === 'number';
-  if ('altitude' in state) {
-    sample(vehicle, 'floor', t, whole ? state['depth'] + state['altitude'] : null);
-  }
-  for (const [name, left] of Object.entries(state)) {
-    if (name.startsWith('to_')) sample(vehicle, name, t, left?.[0] ?? null);
+    const value = vehicle.state[name];
+    if (typeof value === 'number') vehicle.known[name] = [t, value];
   }
 }
 
-/** What is full is thinned to every second sample of its older half.
- * @param {Vehicle} vehicle @param {string} name @param {number} t
- * @param {number | null} value */
-function sample(vehicle, name, t, value) {
-  const kept = (vehicle.strips[name] ??= []);
-  const last = kept.at(-1);
-  if (last !== undefined && t <= last[0]) return;
-  kept.push([t, value]);
-  if (kept.length > SAMPLES) {
-    const half = SAMPLES / 2;
-    vehicle.strips[name] = kept.filter((_, i) => i >= half || i % 2 === 0);
+/** Rows of the past come as they come to be known: those of before may come last, and twice.
+ * @param {Vehicle} vehicle @param {Row[]} rows */
+function learn(vehicle, rows) {
+  const last = timeOfRow(vehicle.past.at(-1));
+  const areNewer = rows.every((row, i) => timeOfRow(row) > (i ? timeOfRow(rows[i - 1]) : last));
+  if (areNewer && vehicle.past.length + rows.length <= ROWS) {
+    vehicle.past.push(...rows);
+    add(vehicle.strips, rows);
+    return;
   }
+  vehicle.past = inOrder([...vehicle.past, ...rows]);
+  while (vehicle.past.length > ROWS) vehicle.past = vehicle.past.filter((_, i) => i % 2 === 0);
+  vehicle.strips = {};
+  add(vehicle.strips, vehicle.past);
+}
+
+/** @param {Record<string, Sample[]>} strips @param {readonly Row[]} rows */
+function add(strips, rows) {
+  for (const row of rows) {
+    PAST.forEach((name, i) => (strips[name] ??= []).push([timeOfRow(row), row[i + 1] ?? null]));
+    const [depth, altitude] = [row[PAST.indexOf('depth') + 1], row[PAST.indexOf('altitude') + 1]];
+    (strips['floor'] ??= []).push([timeOfRow(row), sum(depth, altitude)]);
+  }
+}
+
+/** @param {Row | undefined} row */
+function timeOfRow(row) {
+  return row?.[0] ?? -Infinity;
+}
+
+/** @param {Row[]} rows @returns {Row[]} by time, each once */
+function inOrder(rows) {
+  return [...new Map(rows.map((row) => [timeOfRow(row), row])).values()]
+    .sort((a, b) => timeOfRow(a) - timeOfRow(b));
+}
+
+/** @param {number | null | undefined} a @param {number | null | undefined} b */
+function sum(a, b) {
+  return typeof a === 'number' && typeof b === 'number' ? a + b : null;
 }
 
 // --- what follows from it ---
@@ -171,10 +191,10 @@ export function silence(vehicle, now) {
 /** Seconds since the vehicle's program has said anything at all, in frames or in answers, of which
  * one comes each second; null: nobody says. @param {Vehicle} vehicle @param {number} now ms */
 export function sinceWord(vehicle, now) {
-  const lines = Object.values(vehicle.state['lines'] ?? {}).filter((age) => typeof age === 'number');
+  const lines = Object.values(vehicle.state['lines'] ?? {}).filter((one) => typeof one === 'number');
   const quiet = silence(vehicle, now);
   const since = Math.max(0, now - (vehicle.heardAt ?? now)) / 1000;
-  return quiet === null ? null : Math.min(quiet, ...lines.map((age) => age + since));
+  return quiet === null ? null : Math.min(quiet, ...lines.map((one) => one + since));
 }
 
 /** Has the vehicle no connection for X and W, and not only while it is opened anew?

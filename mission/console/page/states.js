@@ -5,6 +5,8 @@
 
 import { el, mark, say } from './dom.js';
 import { clock, number } from './format.js';
+import { between, Frame } from './geo.js';
+import { routesOf } from './scene.js';
 import { age, isOld } from './state.js';
 import { word } from './words.js';
 
@@ -12,7 +14,8 @@ import { word } from './words.js';
  * @typedef {[string, Record<string, number | null>]} Guard as written, and what it looks at now
  * @typedef {{text: string, share: number | null}} Progress */
 
-const FROM_ZERO = { elapsed: 0, travelled: 0 }; // counted from the leg's begin
+const FROM_ZERO = ['elapsed', 'travelled']; // counted from the leg's begin
+const NEXT_M = 5; // that a distance grows by where it is one to another corner
 const COMPARISON = /([a-z_]+)\s*(>=|<=|>|<)\s*(-?\d+(?:\.\d+)?)/g;
 
 /**
@@ -31,6 +34,55 @@ export function progress([text, values], began) {
     });
 }
 
+/** How far it was to where the leg goes when it began; undefined: that is not known.
+ * @param {import('./state.js').Vehicle} vehicle */
+export function farAtBegin({ plan, state, track }) {
+  const [began, leg] = [state['leg_began'], state['leg']];
+  const first = track.find(([t]) => t >= began);
+  if (!plan?.home || !plan.map || first === undefined) return undefined;
+  const frame = new Frame(...plan.home);
+  const goal = routesOf(plan.map, frame).find((route) => route.name === leg)?.points.at(-1);
+  return goal && between(frame.toLocal(first[1], first[2]), goal).range;
+}
+
+/** What guards looked at when the leg began: as the strips have it, else as it was seen first; of
+ * a distance the greatest on the way to a corner. */
+export class Begun {
+  /** @type {Record<string, number>} */
+  _seen = {};
+  _last = Infinity; // distance, m
+  _leg = '';
+
+  /** @param {import('./state.js').Vehicle} vehicle @returns {Record<string, number>} */
+  of(vehicle) {
+    const { setup, state, snapshots } = vehicle;
+    const leg = `${setup.id} ${snapshots} ${state['leg']} ${state['leg_began']}`;
+    if (leg !== this._leg) [this._leg, this._seen, this._last] = [leg, {}, Infinity];
+    /** @type {Guard[]} */
+    const guards = state['leg_ends'] ?? [];
+    for (const [text, values] of guards) {
+      for (const [name, value] of Object.entries(values)) {
+        if (value !== null) this._take(vehicle, text, name, value);
+      }
+    }
+    return this._seen;
+  }
+
+  /** @param {import('./state.js').Vehicle} vehicle @param {string} text
+   * @param {string} name @param {number} value */
+  _take(vehicle, text, name, value) {
+    if (name === 'distance') {
+      const far = text.startsWith('distance') ? farAtBegin(vehicle) : undefined;
+      const isNext = value > this._last + NEXT_M;
+      this._seen[name] = Math.max(far ?? 0, value, isNext ? 0 : this._seen[name] ?? 0);
+      this._last = value;
+      return;
+    }
+    const began = vehicle.strips[name]?.find(([t, v]) => t >= vehicle.state['leg_began'] && v !== null);
+    this._seen[name] = FROM_ZERO.includes(name) ? 0 : began?.[1] ?? this._seen[name] ?? value;
+  }
+}
+
 export class States {
   /** @param {HTMLElement} root */
   constructor(root) {
@@ -38,9 +90,7 @@ export class States {
     this._rows = el('dl', { class: 'rows' });
     this._guards = el('div');
     root.replaceChildren(this._rows, this._guards);
-    this._leg = '';
-    /** @type {Record<string, number>} */
-    this._began = {};
+    this._begun = new Begun();
   }
 
   /** @param {Page} page @param {number} now ms */
@@ -54,16 +104,10 @@ export class States {
     if (state['up_by']) rows.push([word('up_by'), new Date(state['up_by'] * 1000).toLocaleTimeString()]);
     if (vehicle.setup.source === 'frames') rows.push([word('link'), word('thin')]);
     showRows(this._rows, rows);
-    const leg = `${vehicle.setup.id} ${state['leg']} ${state['leg_began']}`;
-    if (leg !== this._leg) [this._leg, this._began] = [leg, { ...FROM_ZERO }];
     /** @type {Guard[]} */
     const guards = state['leg_ends'] ?? [];
-    for (const [, values] of guards) {
-      for (const [name, value] of Object.entries(values)) {
-        if (value !== null) this._began[name] ??= value;
-      }
-    }
-    const bars = [...this._timeout(page, now), ...guards.flatMap((g) => this._bars(g))];
+    const began = this._begun.of(vehicle);
+    const bars = [...this._timeout(page, now), ...guards.flatMap((g) => barsOf(g, began))];
     showGuards(this._guards, bars);
   }
 
@@ -77,14 +121,14 @@ export class States {
     const share = typeof most === 'number' ? Math.min(1, lasts / most) : null;
     return [{ name: word('timeout'), text, share, level: (share ?? 0) > 0.85 ? 'careful' : 'plain' }];
   }
+}
 
-  /** @param {Guard} guard @returns {Bar[]} */
-  _bars(guard) {
-    const parts = progress(guard, this._began);
-    const name = `${word('until')} ${guard[0]}`;
-    if (parts.length === 0) return [{ name, text: '', share: null, level: 'good' }];
-    return parts.map((p, i) => ({ name: i ? '' : name, text: p.text, share: p.share, level: 'good' }));
-  }
+/** @param {Guard} guard @param {Record<string, number>} began @returns {Bar[]} */
+function barsOf(guard, began) {
+  const parts = progress(guard, began);
+  const name = `${word('until')} ${guard[0]}`;
+  if (parts.length === 0) return [{ name, text: '', share: null, level: 'good' }];
+  return parts.map((p, i) => ({ name: i ? '' : name, text: p.text, share: p.share, level: 'good' }));
 }
 
 /** @typedef {{name: string, text: string, share: number | null, level: string}} Bar */

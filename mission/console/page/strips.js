@@ -3,14 +3,14 @@
  * Values by time, one under the other with one axis of time; depth with the floor under it.
  *
  * Where a value was not known there is no line. Nothing is interpolated between two reports that
- * lie more than ``GAP_S`` apart.
+ * lie more than ``GAP_S`` apart, or further than those that are kept of a long past.
  */
 
 import { inksOf, sheet } from './canvas.js';
 import { el, mark, say } from './dom.js';
 import { clock, number } from './format.js';
 import { font } from './layers.js';
-import { pace, timeOf } from './state.js';
+import { ROWS, timeOf } from './state.js';
 import { extent, roundUp, ticks } from './view.js';
 import { word } from './words.js';
 
@@ -34,6 +34,14 @@ const LEFT = 118; // px, of names and numbers
 const HIGH = 40; // px, of a strip at least
 const NAMES = { ink: 'ink', soft: 'soft', grid: 'edge', line: 'track', fill: 'depths', floor: 'careful',
   paper: 'panel', at: 'target' };
+
+/** s between two samples up to which they are one line: of a long past so many rows are kept that
+ * they lie further apart. @param {readonly Sample[]} samples */
+export function gapOf(samples) {
+  const spanned = (samples.at(-1)?.[0] ?? 0) - (samples[0]?.[0] ?? 0);
+  const apart = 2 ** Math.ceil(Math.log2(Math.max(1, spanned / ROWS)));
+  return Math.max(GAP_S, 2.5 * apart);
+}
 
 /** Runs of samples without a gap, within the times. @param {readonly Sample[]} samples
  * @param {number} from @param {number} to s @param {number} [gap] s
@@ -146,7 +154,7 @@ export class Strips {
    * @param {import('./state.js').Vehicle} vehicle @param {Axis} axis
    * @param {[number, number]} box top and height, px @param {Record<keyof NAMES, string>} inks */
   _strip(pen, spec, vehicle, axis, [top, high], inks) {
-    const gap = GAP_S + pace(vehicle); // a second of the page more
+    const gap = gapOf(vehicle.strips[spec.name] ?? []);
     const own = runs(vehicle.strips[spec.name] ?? [], axis.from, axis.to, gap);
     const other = spec.with ? runs(vehicle.strips[spec.with] ?? [], axis.from, axis.to, gap) : [];
     const [low, up] = bounds([...own, ...other].flat().map((p) => p[1]), spec);

@@ -54,16 +54,16 @@ export class Values {
   /** @param {string} name @param {import('./state.js').Freshness} is @param {string} text
    * @param {string} unit @param {number | null} age s */
   _put(name, is, text, unit, age) {
-    const cell = this._cells.get(name);
-    if (cell === undefined) return;
-    mark(cell.root, 'data-is', is);
-    cell.number.classList.toggle('was', is === 'unknown' && text !== '—');
-    say(cell.name, word(name));
-    say(cell.number, text);
-    say(cell.unit, text === '—' ? '' : unit);
+    const shown = this._cells.get(name);
+    if (shown === undefined) return;
+    mark(shown.root, 'data-is', is);
+    shown.number.classList.toggle('was', is === 'unknown' && text !== '—');
+    say(shown.name, word(name));
+    say(shown.number, text);
+    say(shown.unit, text === '—' ? '' : unit);
     const old = age === null ? '' : lasting(age);
     const says = { fresh: old, old: `${word('old')} ${old}`, unknown: `${word('unknown')} ${old}` };
-    say(cell.age, says[is]);
+    say(shown.age, says[is]);
   }
 }
 

@@ -108,13 +108,22 @@ export class Refused extends Error {
   }
 }
 
-/** @param {string} path @param {string} token @param {object} [body] it is posted
+/** What is no JSON: a picture, depths. @param {string} path @param {string} token
+ * @returns {Promise<Response>} Raises Refused. */
+export async function load(path, token) {
+  const answer = await fetch(path, { headers: { Authorization: `Bearer ${token}` } });
+  if (!answer.ok) throw new Refused(answer.status, answer.statusText);
+  return answer;
+}
+
+/** @param {string} path @param {string} token @param {object} [body] it is posted; a file as it is
  * @returns {Promise<any>} Raises Refused, with what the server says. */
 export async function ask(path, token, body) {
-  const headers = { Authorization: `Bearer ${token}` };
+  const headers = new Headers({ Authorization: `Bearer ${token}` });
+  const isFile = body instanceof Blob;
+  if (body && !isFile) headers.set('Content-Type', 'application/json');
   const answer = await fetch(path, body === undefined ? { headers }
-    : { method: 'POST', headers: { ...headers, 'Content-Type': 'application/json' },
-      body: JSON.stringify(body) });
+    : { method: 'POST', headers, body: isFile ? body : JSON.stringify(body) });
   const said = await answer.json().catch(() => null);
   if (!answer.ok) throw new Refused(answer.status, said?.says ?? answer.statusText);
   return said;

@@ -1,16 +1,19 @@
 """The read-only monitor of a running serve: what viewers are sent, and how little. Sans-IO.
 
     serve -> viewer  {"n": 7, "t": 41.2, "state": {what changed}, "events": [...], "plan": [...],
-                      "track": [[t, latitude, longitude, depth], ...], "gap": 0}
-    viewer -> serve  {"wish": {"rate": 5, "bytes": 16000, "values": ["state"], "track": true}}
+                      "track": [[t, latitude, longitude, depth], ...], "gap": 0,
+                      "past": [[t, depth, altitude, ...], ...]}
+    viewer -> serve  {"wish": {"rate": 5, "bytes": 16000, "values": ["state"], "track": true,
+                               "past": "" (none), "before" (it came) or "all"}}
                      {"ack": 7}
 
 One JSON object a line. At most ``AHEAD`` frames are unanswered, half of the quickest answer apart:
 what happens meanwhile waits here, of a state its newest, of events the newest ``EVENTS`` with the
 number of those that are missing as the ``gap``. So nothing is old when it arrives, however thin the
 way, and nothing grows. A frame has no more bytes than was wished for: state first, then of events,
-plan and track what does not delay the next. Who answers none for ``SILENT_S``, or says anything
-else, is sent away: no word of command is known here.
+plan, track and past what does not delay the next; of what was before the viewer came the newest
+first. Who answers none for ``SILENT_S``, or says anything else, is sent away: no word of command is
+known here.
 
 What does not live here: the sockets (ports), what a state is made of (view).
 """
@@ -24,6 +27,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
+from mission.model.past import Past, Row
+
 SILENT_S = 20.0
 AHEAD = 2  # frames: one is older by a way back where the way is long, three wait where it is thin
 STALLED_S = 2.5  # nothing has left for so long: one more
@@ -34,6 +39,7 @@ LEAST_ROOM, ROOM = 250, 500  # bytes, for that; the first
 EVENTS = 200  # that wait for one viewer
 TRACK = 4096  # points that are kept: beyond, every other one
 TRACK_EVERY_S = 1.0
+BEFORE, ALL = "before", "all"  # of the past
 PIECE = 24  # points or lines that are added to a frame at a time
 LINE = 4096  # bytes of what a viewer says
 FASTEST_HZ, LEAST_BYTES, MOST_BYTES = 5.0, 200, 60_000
@@ -56,6 +62,7 @@ class Wish:
     values: tuple[str, ...] = ()
     track: bool = True
     plan: bool = True
+    past: str = ""
 
 
 class Track:
@@ -93,6 +100,9 @@ class Viewer:
     plan: Sequence[str] = ()
     told: int = 0  # points of the track
     thinned: int = 0
+    before: Sequence[Row] = ()  # it came, the newest first
+    passed: int = 0  # rows of all of the past
+    past_thinned: int = 0
 
     def is_due(self, now: float, ahead: int) -> bool:
         """``ahead``: frames that may be unanswered."""
@@ -121,7 +131,7 @@ class Monitor:
     def __init__(self, ahead: int = AHEAD, room: int = ROOM) -> None:
         self._ahead, self._room = ahead, room
         self.viewers: dict[str, Viewer] = {}
-        self.track = Track()
+        self.track, self.past = Track(), Past()
         self._plan: tuple[str, ...] = ()
         self._recent: deque[str] = deque(maxlen=EVENTS)
 
@@ -159,7 +169,20 @@ class Monitor:
         if len(viewer.heard) > LINE:
             raise Unwelcome("a line without end")
         for line in lines:
-            _obey(viewer, line, now)
+            self._obey(viewer, line, now)
+
+    def _obey(self, viewer: Viewer, line: bytes, now: float) -> None:
+        try:
+            said = json.loads(line)
+            if list(said) == ["ack"] and viewer.answer(said["ack"], now):
+                return
+            if list(said) != ["wish"]:
+                raise Unwelcome("it said what no viewer says")
+            viewer.wish, viewer.greeted = _wish(said["wish"]), True
+            viewer.before = self.past.rows[::-1] if viewer.wish.past == BEFORE else ()
+            viewer.since = now
+        except (ValueError, TypeError, KeyError, RecursionError) as error:
+            raise Unwelcome("it said what no viewer says") from error
 
     def silent(self, now: float) -> list[str]:
         """Viewers whose connection is to be closed."""
@@ -189,6 +212,7 @@ class Monitor:
             viewer.plan = viewer.plan[made.add_pieces("plan", viewer.plan) :]
         if viewer.wish.track:
             self._add_track(made, viewer)
+        self._add_past(made, viewer)
         if made.is_empty:
             return b""
         viewer.number = made.number
@@ -201,6 +225,14 @@ class Monitor:
             viewer.told >>= self.track.thinned - viewer.thinned
             viewer.thinned = self.track.thinned
         viewer.told += made.add_pieces("track", self.track.points[viewer.told :])
+
+    def _add_past(self, made: _Frame, viewer: Viewer) -> None:
+        if viewer.wish.past == BEFORE:
+            viewer.before = viewer.before[made.add_pieces("past", viewer.before) :]
+        elif viewer.wish.past == ALL:
+            if viewer.past_thinned != self.past.thinned:
+                viewer.passed, viewer.past_thinned = 0, self.past.thinned
+            viewer.passed += made.add_pieces("past", self.past.news[viewer.passed :])
 
 
 class _Frame:
@@ -269,22 +301,8 @@ def _add_state(made: _Frame, viewer: Viewer, state: State) -> None:
             viewer.known[name] = state[name]
 
 
-def _obey(viewer: Viewer, line: bytes, now: float) -> None:
-    try:
-        said = json.loads(line)
-        if list(said) == ["ack"] and viewer.answer(said["ack"], now):
-            return
-        if list(said) == ["wish"]:
-            viewer.wish, viewer.greeted = _wish(said["wish"]), True
-            viewer.since = now
-        else:
-            raise Unwelcome("it said what no viewer says")
-    except (ValueError, TypeError, KeyError, RecursionError) as error:
-        raise Unwelcome("it said what no viewer says") from error
-
-
 def _wish(said: Mapping[str, Any]) -> Wish:
-    unknown = set(said) - {"rate", "bytes", "values", "track", "plan"}
+    unknown = set(said) - {"rate", "bytes", "values", "track", "plan", "past"}
     values = said.get("values", [])
     if unknown or not isinstance(values, list) or not all(isinstance(v, str) for v in values):
         raise Unwelcome("it wished for what there is not")
@@ -294,4 +312,5 @@ def _wish(said: Mapping[str, Any]) -> Wish:
         tuple(values[:100]),
         bool(said.get("track", True)),
         bool(said.get("plan", True)),
+        str(said.get("past", "")),
     )

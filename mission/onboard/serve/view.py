@@ -9,16 +9,14 @@ What does not live here: who is sent what (monitor); the health on disk (health)
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import asdict
 from typing import Any
 
 from mission.authoring.language.render import guard_text
 from mission.engine.variables import VARIABLES
-from mission.model import (
-    Guard,
-    terms,
-)
+from mission.legs import LEGS
+from mission.model import Guard, LegKind, terms
 from mission.model.alarms import Alarm
 from mission.navigation import distribution
 from mission.onboard.runtime.runtime import Runtime
@@ -109,8 +107,19 @@ def _leg(runtime: Runtime) -> dict[str, Any]:
     return {
         "leg_began": _rounded(run.entered),
         "leg_timeout": leg.timeout if leg is not None else None,
-        "leg_ends": [_guard(runtime, guard) for guard in dict.fromkeys(guards)],
+        "leg_ends": [
+            *(_guard(runtime, guard) for guard in dict.fromkeys(guards)),
+            *(_arrival(runtime, leg.kind) if leg is not None else ()),
+        ],
     }
+
+
+def _arrival(runtime: Runtime, kind: LegKind) -> Iterator[list[Any]]:
+    """What ends a leg that goes to places by itself, and a corner on its way."""
+    row = LEGS[type(kind)]
+    if row.ends and (within := row.within(kind)) > 0.0:
+        corner = "" if row.ends_at_last and len(row.places(kind)) == 1 else "each corner: "
+        yield [f"{corner}distance <= {within:g} m", {"distance": _bare(runtime, "distance")}]
 
 
 def _guard(runtime: Runtime, guard: Guard) -> list[Any]:

@@ -83,6 +83,7 @@ class Viewing:
 
     def _track(self, now: float, state: Mapping[str, Any]) -> None:
         self._tracked = now
+        self.monitor.past.take(state)
         if state["latitude"] is not None and (t := state["report_at"]) is not None:
             self.monitor.track.add(t, state["latitude"], state["longitude"], state["depth"])
 

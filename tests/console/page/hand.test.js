@@ -96,3 +96,12 @@ test('an axis at rest is zero, and at its end one', () => {
   assert.deepEqual([0, 0.1, -0.1, 1, -1, 2].map(beyond), [0, 0, 0, 1, -1, 1]);
   assert.equal(beyond(NaN), 0);
 });
+
+test('the strength of the keys goes up and down by gears, and no further', () => {
+  const hand = free();
+  const strengths = [1, 20, -20].map((by) => {
+    hand.change(by);
+    return hand.strength;
+  });
+  assert.deepEqual(strengths, [4, 12, 1]);
+});

@@ -1,7 +1,7 @@
 import assert from 'node:assert/strict';
 import test from 'node:test';
 
-import { standingOfAll } from '../../../mission/console/page/alarms.js';
+import { here, standingOfAll } from '../../../mission/console/page/alarms.js';
 import { findings } from '../../../mission/console/page/seen.js';
 import { broken } from '../../../mission/console/page/layers.js';
 import { Frame } from '../../../mission/console/page/geo.js';
@@ -10,8 +10,8 @@ import { level } from '../../../mission/console/page/margins.js';
 import { Goal, eventNear } from '../../../mission/console/page/review.js';
 import { frameOf, routesOf, sceneOf, stillOf } from '../../../mission/console/page/scene.js';
 import { Vehicle, update } from '../../../mission/console/page/state.js';
-import { progress } from '../../../mission/console/page/states.js';
-import { bounds, runs, turned } from '../../../mission/console/page/strips.js';
+import { Begun, progress } from '../../../mission/console/page/states.js';
+import { bounds, gapOf, runs, turned } from '../../../mission/console/page/strips.js';
 import { letter } from '../../../mission/console/page/urgent.js';
 
 test('a margin is careful within a quarter of its limit, bad within a tenth, and beyond it', () => {
@@ -30,6 +30,39 @@ test('a guard has come as far as its value from the leg\'s begin to the bound', 
   assert.equal(progress(['depth >= 10 m', { depth: null }], { depth: 2 })[0].share, null);
 });
 
+const PLACE = ['distance <= 15 m', { distance: 40 }];
+const FAR = { plan: { home: [60, 25], map: { features: [{ properties: { name: 'home_run' },
+  geometry: { type: 'LineString', coordinates: [[25, 60.01], [25, 60]] } }] } } };
+
+function under(leg_ends, more = {}) {
+  const vehicle = new Vehicle({ id: '1' });
+  return Object.assign(vehicle, { state: { leg: 'home_run', leg_began: 10, leg_ends } }, more);
+}
+
+test('a goto comes nearer to its place from the leg\'s begin on, also for who looks late', () => {
+  const track = [[8, 60.002, 25, 1], [10, 60.001, 25, 1], [30, 60.0004, 25, 1]];
+  const began = new Begun().of(under([PLACE], { ...FAR, track })).distance;
+  assert.ok(Math.abs(began - 111.4) < 0.3);
+  assert.ok(Math.abs(progress(PLACE, { distance: began })[0].share - 0.74) < 0.01);
+});
+
+test('without a plan a distance has come from the greatest that was seen, and to each corner anew', () => {
+  const begun = new Begun();
+  const seen = [40, 60, 12, 100, 70].map((distance) =>
+    begun.of(under([['each corner: distance <= 10 m', { distance }]], FAR)).distance);
+  assert.deepEqual(seen, [40, 60, 60, 100, 100]);
+});
+
+test('what a guard looked at when the leg began stands in the strips', () => {
+  const guard = ['depth >= 10 m or elapsed > 60 or leak > 0', { depth: 4, elapsed: 20, leak: 0 }];
+  const vehicle = under([guard], { strips: { depth: [[8, 1], [10, null], [12, 2], [14, 3]] } });
+  assert.deepEqual(new Begun().of(vehicle), { depth: 2, elapsed: 0, leak: 0 });
+  vehicle.state.leg_ends = [['leak > 0', { leak: 1 }]];
+  const begun = new Begun();
+  begun.of(under([guard]));
+  assert.equal(begun.of(vehicle).leak, 0);
+});
+
 test('each comparison of a guard is shown', () => {
   const found = progress(['elapsed > 60 or altitude < 1.5 sure 0.9', { elapsed: 15, altitude: 3 }],
     { elapsed: 0, altitude: 3 });
@@ -41,6 +74,15 @@ test('a line of a strip breaks where nothing was known, or for long', () => {
   assert.deepEqual(runs(samples, 0, 40), [[[0, 1], [1, 2]], [[3, 4]], [[30, 5]]]);
   assert.deepEqual(runs(samples, 2, 10), [[[3, 4]]]);
   assert.equal(runs(samples, 3, 40, 50).length, 1);
+});
+
+test('no line is drawn over a hole, but over what is left of a long past', () => {
+  const every = (s, n) => Array.from({ length: n }, (_, i) => [i * s, 1]);
+  const lines = (samples) => runs(samples, 0, Infinity, gapOf(samples)).length;
+  assert.equal(lines([[0, 1], [15, 1], [31, 1]]), 2);
+  assert.equal(lines(every(1, 4096)), 1);
+  assert.equal(lines(every(32, 2700)), 1); // a day
+  assert.equal(lines([...every(32, 1300), ...every(32, 1300).map(([t]) => [t + 42_000, 1])]), 2);
 });
 
 test('strips that have no room have their turn', () => {
@@ -88,6 +130,11 @@ test('a recording that cannot go on says why', () => {
   const station = { vehicle, problem: '' };
   const told = standingOfAll({ stations: [station], chosen: station }, 0);
   assert.deepEqual(told.map((one) => [one.level, one.words]), [['danger', 'it cannot be run beyond 3.0 s']]);
+});
+
+test('what is to be done is called as the button of the page is', () => {
+  assert.equal(here('find out why, then `auvmission clear` at the surface'), 'find out why, then “Clear” at the surface');
+  assert.equal(here('look at the cable and at `auvmission doctor`'), 'look at the cable and at `auvmission doctor`');
 });
 
 test('how long a vehicle may be silent is its own: by modem longer', () => {

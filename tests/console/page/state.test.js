@@ -2,12 +2,16 @@ import assert from 'node:assert/strict';
 import test from 'node:test';
 
 import {
-  EVENTS, SAMPLES, TRACK, Vehicle, age, freshness, isHung, isLive, pace, runsOut, silence, sinceWord, timeOf, update,
+  EVENTS, PAST, ROWS, TRACK, Vehicle, age, freshness, isHung, isLive, pace, runsOut, silence, sinceWord, timeOf, update,
 } from '../../../mission/console/page/state.js';
 
 const SETUP = { id: '1', name: 'auv-1', to: 'tcp://vehicle:4000', source: 'monitor', under_water: false,
   speed: 1, checklist: [] };
 const STALE = 6;
+
+function row(t, values) {
+  return [t, ...PAST.map((name) => values[name] ?? null)];
+}
 
 function heard(...frames) {
   const vehicle = new Vehicle({ ...SETUP });
@@ -74,47 +78,41 @@ test('the last that was known of a value is kept with its time', () => {
   const vehicle = heard({ n: 1, t: 10, state: { depth: 7, report_at: 9 } },
     { n: 2, t: 12, state: { depth: null, report_at: 11 } });
   assert.deepEqual(vehicle.known.depth, [9, 7]);
-  assert.deepEqual(vehicle.strips.depth, [[9, 7], [11, null]]);
 });
 
-test('a report is one sample, however many frames tell of it', () => {
-  const vehicle = heard({ n: 1, t: 10, state: { depth: 7, report_at: 9 } },
-    { n: 2, t: 11, state: { depth: 8 } }, { n: 3, t: 12, state: { report_at: 11 } });
-  assert.deepEqual(vehicle.strips.depth, [[9, 7], [11, 8]]);
+test('a strip has each row once, by time, in whatever order and pieces they come', () => {
+  const rows = [10, 20, 30, 40].map((t) => row(t, { battery: t / 10 }));
+  const strip = [[10, 1], [20, 2], [30, 3], [40, 4]];
+  for (const pieces of [[rows], [rows.slice(2), rows.slice(0, 2)], [[...rows].reverse()], [rows, rows],
+    rows.map((one) => [one]), [[rows[3]], [rows[0]], rows]]) {
+    const vehicle = heard({ n: 1, t: 50 }, ...pieces.map((past) => ({ n: 2, t: 50, past })));
+    assert.deepEqual(vehicle.strips.battery, strip);
+  }
 });
 
-test('a report that comes late does not turn a strip back', () => {
-  const vehicle = heard({ n: 1, t: 10, state: { depth: 7, report_at: 9 } },
-    { n: 2, t: 11, state: { depth: 8, report_at: 8 } });
-  assert.deepEqual(vehicle.strips.depth, [[9, 7]]);
-});
-
-test('a page that joins late has the depth of the track', () => {
-  const vehicle = heard({ n: 1, t: 50, state: { depth: 9, report_at: 50 },
-    track: [[10, 1, 2, 1], [20, 1, 2, null]] });
-  assert.deepEqual(vehicle.strips.depth, [[10, 1], [20, null], [50, 9]]);
-});
-
-test('what a fast recording flies past is in the strip of the depth, by the track', () => {
-  const vehicle = heard({ n: 1, t: 10, state: { depth: 1, report_at: 10 } },
-    { n: 2, t: 40, state: { depth: 4, report_at: 40 }, track: [[20, 1, 2, 2], [30, 1, 2, 3], [40, 1, 2, 4]] });
-  assert.deepEqual(vehicle.strips.depth, [[10, 1], [20, 2], [30, 3], [40, 4]]);
+test('a page that joins late has every strip of before', () => {
+  const values = { depth: 9, altitude: 3, heading: 90, pitch: 1, roll: 2, battery: 12, uncertainty: 4,
+    to_depth: 20, to_radius: 300, to_time: 10, to_voltage: 2 };
+  const vehicle = heard({ n: 1, t: 50, state: { depth: 9, report_at: 50 }, past: [row(10, values)] });
+  for (const [name, value] of Object.entries({ ...values, floor: 12 })) {
+    assert.deepEqual(vehicle.strips[name], [[10, value]], name);
+  }
 });
 
 test('the floor is known where depth and altitude are', () => {
-  const vehicle = heard({ n: 1, t: 10, state: { depth: 7, altitude: 3, report_at: 9 } },
-    { n: 2, t: 11, state: { altitude: null, report_at: 11 } });
+  const vehicle = heard({ n: 1, t: 11, past: [row(9, { depth: 7, altitude: 3 }), row(11, { depth: 7 })] });
   assert.deepEqual(vehicle.strips.floor, [[9, 10], [11, null]]);
 });
 
 test('a page that is open for days holds no more than its bounds', () => {
   const vehicle = heard({ n: 1, t: 0, state: {} });
   for (let t = 1; t < 3 * TRACK; t += 1) {
-    update(vehicle, { n: 2, t, state: { report_at: t, depth: 1 }, events: [`${t}`], track: [[t, 0, 0, 1]] }, t);
+    update(vehicle, { n: 2, t, past: [row(t, { depth: 1 })], events: [`${t}`], track: [[t, 0, 0, 1]] }, t);
   }
   assert.equal(vehicle.track.length, TRACK);
   assert.equal(vehicle.events.length, EVENTS);
-  assert.ok(vehicle.strips.depth.length <= SAMPLES);
+  assert.ok(vehicle.past.length <= ROWS);
+  assert.equal(vehicle.strips.depth.length, vehicle.past.length);
   assert.equal(vehicle.strips.depth[0][0], 1);
   assert.equal(vehicle.strips.depth.at(-1)[0], 3 * TRACK - 1);
 });
