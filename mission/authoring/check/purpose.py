@@ -37,8 +37,8 @@ _SHARES = (0.9, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3)
 
 @dataclass(frozen=True, slots=True)
 class Outlook:
-    """Of one leg: shares, and m by row; without rows, at its end. ``needs``: s, where its clock
-    may end it before it has gone its way."""
+    """Of one leg: shares, and m by row; without rows, at its end. ``needs``: s of a clock that
+    would do, where its own may end it before it has gone its way."""
 
     leg: str
     coverage: float | None  # None: it says no swath
@@ -66,7 +66,7 @@ def judged(mission: Mission, vehicle: Vehicle) -> Judged:
     told, refusals = [], list(_idle(mission))
     for path, leg, aims in purposes(mission):
         if path in found:
-            outlook = _outlook(path, found[path], aims)
+            outlook = replace(_outlook(path, found[path], aims), needs=late.get(path))
         else:
             outlook = Outlook(
                 path, None, (errors[path],), tuple(aims.items()), rows=False, needs=late.get(path)

@@ -215,6 +215,24 @@ def test_so_is_one_that_goes_to_a_place_from_where_the_legs_before_led() -> None
     assert 240.0 < far < 200 / 0.6355  # the dive has led it north already
 
 
+def test_rows_whose_clock_may_end_them_are_told_one_that_does() -> None:
+    """Of parts that resurface each has its share; 95 % of dives make 83.6 % of the speed."""
+    for more, rows in (("", 4), ("resurface 2 ", 2), ("resurface 1 ", 1)):
+        told = report(f"{more}achieve coverage 1%", TEXT.replace("25min", "10min"))
+        (one,) = told.outlook
+        assert one.needs is not None
+        there = 150 / 0.6355  # straight against the current
+        back = 150 / 1.0355 if rows > 1 else there
+        over = (4 - 4 / rows) * 20 / 0.6355
+        assert 2.0 * (there + back) < one.needs < 2.0 * (there + back) + over + 4 / rows * 170
+        clock = f"timeout {math.ceil(one.needs)}s"
+        assert f"its clock may end it before: {math.ceil(one.needs)} s would do" in as_text(
+            "m", told, "0" * 64
+        )
+        enough = report(f"{more}achieve coverage 1%", TEXT.replace("timeout 25min", clock))
+        assert enough.outlook[0].needs is None
+
+
 def test_a_leg_that_makes_no_way_against_the_current_is_told_so() -> None:
     slow = TEXT.replace("current 0.2", "current 0.9").splitlines()[:5]
     leg = "out: heading 0 until travelled >= 20 gear 8 depth 6 timeout 240 achieve position 900"
