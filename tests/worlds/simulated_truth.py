@@ -166,7 +166,16 @@ def fly_plan(seed: int, bias_deg: float, *, learning: bool) -> Flown:
     rng = Random(seed)
     sea = Sea(current=(rng.uniform(0.0, 0.3), rng.uniform(0.0, 2.0 * math.pi)))
     errors = SensorErrors(declination=math.radians(-6.2), compass_bias=math.radians(bias_deg))
-    ship = SimulatedVehicle("as-built", seed, Settings(sea=sea, errors=errors))
+    return _flown(rng, seed, Settings(sea=sea, errors=errors), learning=learning)
+
+
+def flown(seed: int, settings: Settings, *, learning: bool) -> Flown:
+    """The same in a sea that is given."""
+    return _flown(Random(seed), seed, settings, learning=learning)
+
+
+def _flown(rng: Random, seed: int, settings: Settings, *, learning: bool) -> Flown:
+    ship = SimulatedVehicle("as-built", seed, settings)
     legs = plan(rng, learning=learning)
     items = tuple(_bytes(ship, legs, "as-built", legs[-1].begin + 120.0))
     return Flown(items, tuple(ship.track))

@@ -24,7 +24,7 @@ from __future__ import annotations
 import contextlib
 import itertools
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -33,6 +33,7 @@ from mission.authoring.check.ascents import ascent_time
 from mission.authoring.check.assumptions import SPEED_SHARE, TWO_SIGMA
 from mission.authoring.check.covered import PIECES, Row, covered
 from mission.authoring.check.places import pattern_of, places_of
+from mission.authoring.check.slowest import slowest
 from mission.legs import LEGS, Surface
 from mission.legs.base import Point
 from mission.legs.pattern import Pattern
@@ -86,8 +87,9 @@ def outlooks(
     mission: Mission, vehicle: Vehicle
 ) -> tuple[dict[str, Expected], dict[str, float], dict[str, float]]:
     """For each leg of rows, and for each other m that 95 % of dives stay within to its end, of
-    rounds the worst; and for each that may have gone its way too late for its clock the s that 95 %
-    of dives need straight against the current (inf: never). By their paths. Raises TooManyError."""
+    rounds the worst; and for each that may have gone its way too late for its clock the s that it
+    should have for 95 % of dives, with the current from where it costs most (inf: it never gets
+    there). By their paths. Raises TooManyError."""
     course = _Course(mission, vehicle)
     course.body(mission.body, "")
     return course.found, course.errors, course.late
@@ -177,7 +179,7 @@ class _Course:
         self._holds = {"surge": 0.0, "depth": 0.0}
         self._deepest = min(mission.safety.depth or math.inf, vehicle.limits.depth)
         self._deep, self._up = 0.0, math.inf  # m it may still be below; s at the surface
-        self._rows = 0
+        self._rows, self._clock = 0, 0.0  # s of the leg that is looked at
         self._fixes = not mission.start_without_fix
         self.found: dict[str, Expected] = {}
         self.errors: dict[str, float] = {}
@@ -197,6 +199,7 @@ class _Course:
             return
         if (pattern := pattern_of(node.kind, self._frame, self._at)) is not None:
             self.found.setdefault(path, Expected(pattern))
+        self._clock = node.duration or node.timeout or 0.0
         parts = LEGS[type(node.kind)].parts(node) or (node,)
         before = radius_95(self._drift.place)
         for part in self._flown(parts):
@@ -232,17 +235,18 @@ class _Course:
         if depths := row.depths(kind):
             self._holds["depth"] = max(depths)
         if (pattern := pattern_of(kind, self._frame, self._at)) is not None:
+            self._watch(leg, path, (self._at, *itertools.chain.from_iterable(pattern.rows)))
             self._survey(pattern, path)
         elif row.ascends:
             self._ascend(fixed=row.awaits_fix(kind))
         elif row.ends_at_last or row.places(kind):
             places = [self._at, *places_of(kind, self._frame)]
-            self._watch(leg, path, sum(itertools.starmap(math.dist, itertools.pairwise(places))))
+            self._watch(leg, path, places)
             for point in places_of(kind, self._frame):
                 self._to(point)
         else:
             time, speed = self._time(leg), self._speed
-            self._watch(leg, path, min(_ways(leg), default=0.0))
+            self._watch(leg, path, ((0.0, 0.0), (min(_ways(leg), default=0.0), 0.0)))
             bearing = self._holds.get("heading", 0.0)
             self._go(bearing, speed, time)
             north, east = self._at
@@ -252,14 +256,16 @@ class _Course:
         if self._afloat:
             self._drift.fix()
 
-    def _watch(self, leg: Leg, path: str, way: float) -> None:
-        """Whether the clock of a leg that is meant to go so many m may end it before."""
-        clock, against = leg.duration or leg.timeout, (1.0 - _SLOW) * self._speed - self._current
-        if clock is None or way <= 0.0 or self._speed <= 0.0:
+    def _watch(self, leg: Leg, path: str, places: Sequence[Point]) -> None:
+        """Whether the clock of a leg that is meant to go from place to place may end it before. A
+        part of one has a share of its clock."""
+        clock, speed = leg.duration or leg.timeout, (1.0 - _SLOW) * self._speed
+        ways = [(b[0] - a[0], b[1] - a[1]) for a, b in itertools.pairwise(places) if a != b]
+        if clock is None or not ways or self._speed <= 0.0:
             return
-        needs = way / against if against > 0.0 else math.inf
+        needs = slowest(ways, speed, self._current)
         if needs > clock:
-            self.late[path] = max(needs, self.late.get(path, 0.0))
+            self.late[path] = max(needs * self._clock / clock, self.late.get(path, 0.0))
 
     @property
     def _afloat(self) -> bool:

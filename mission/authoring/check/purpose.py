@@ -37,8 +37,8 @@ _SHARES = (0.9, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3)
 
 @dataclass(frozen=True, slots=True)
 class Outlook:
-    """Of one leg: shares, and m by row; without rows, at its end. ``needs``: s, where its clock
-    may end it before it has gone its way."""
+    """Of one leg: shares, and m by row; without rows, at its end. ``needs``: s of a clock that
+    would do, where its own may end it before it has gone its way."""
 
     leg: str
     coverage: float | None  # None: it says no swath
@@ -66,7 +66,7 @@ def judged(mission: Mission, vehicle: Vehicle) -> Judged:
     told, refusals = [], list(_idle(mission))
     for path, leg, aims in purposes(mission):
         if path in found:
-            outlook = _outlook(path, found[path], aims)
+            outlook = replace(_outlook(path, found[path], aims), needs=late.get(path))
         else:
             outlook = Outlook(
                 path, None, (errors[path],), tuple(aims.items()), rows=False, needs=late.get(path)
@@ -124,7 +124,28 @@ def _hint(mission: Mission, vehicle: Vehicle, leg: Leg, outlook: Outlook) -> str
     if not outlook.rows:
         return "come up for a fix before it, make it shorter, or ask for less"
     cures = " or ".join(_cures(mission, vehicle, leg, outlook.leg))
-    return f"enough would be: {cures}" if cures else "ask for less, or fly a nearer, smaller area"
+    return f"enough would be: {cures}" if cures else _less(mission, vehicle, leg, outlook)
+
+
+def _less(mission: Mission, vehicle: Vehicle, leg: Leg, outlook: Outlook) -> str:
+    """What can be asked for, with all the fixes that there can be, where no change is enough."""
+    kind, told, best = leg.kind, "", outlook
+    assert isinstance(kind, Rows | Cover)
+    often = replace(leg, kind=replace(kind, resurface=1.0, unsure=0.0))
+    if kind.resurface != 1.0 and _stands(often) and _tried(mission, vehicle):
+        told, best = "with resurface 1 ", _with_leg(mission, vehicle, outlook.leg, often)
+    asked = [_asked(name, best) for name, _ in outlook.aims]
+    return (
+        f"{told}ask for {' and '.join(asked)}; or make its rows shorter, or calibrate the vehicle "
+        "(how sure it is of its speed and compass)"
+    )
+
+
+def _asked(name: str, outlook: Outlook) -> str:
+    """As it may be written, and is expected to be achieved."""
+    if name == "coverage":
+        return f"coverage {math.floor(100.0 * (outlook.coverage or 0.0))}%"
+    return f"{name} {math.ceil(max(outlook.errors))} m"
 
 
 def _missed(outlook: Outlook) -> Iterator[str]:
@@ -133,8 +154,8 @@ def _missed(outlook: Outlook) -> Iterator[str]:
     wanted = aims.get("coverage", 0.0)
     if outlook.coverage is not None and outlook.coverage < wanted:
         yield (
-            f"{outlook.leg} is expected to cover {outlook.coverage:.0%} of its area, "
-            f"not {wanted:.0%}; {_by_row(outlook.errors)}"
+            f"{outlook.leg} is expected to cover {_percent(outlook.coverage)} of its area, "
+            f"not {_percent(wanted)}; {_by_row(outlook.errors)}"
         )
     allowed = aims.get("position", math.inf)
     beyond = {row: e for row, e in enumerate(outlook.errors, 1) if e > allowed}
@@ -144,6 +165,11 @@ def _missed(outlook: Outlook) -> Iterator[str]:
             f"{'they are' if outlook.rows else 'it is'} believed to (95 % of dives), "
             f"not {number_text(allowed)} m"
         )
+
+
+def _percent(share: float) -> str:
+    """Never more than it is."""
+    return f"{math.floor(1000.0 * share + 1e-6) / 10.0:g}%"
 
 
 _TOLD = 8  # rows that are named
@@ -168,7 +194,7 @@ def _cures(mission: Mission, vehicle: Vehicle, leg: Leg, path: str) -> Iterator[
     """Of each kind of change the least that is enough."""
     kind, pattern = leg.kind, expected(mission, vehicle)[path].pattern
     assert isinstance(kind, Rows | Cover)
-    if sum(len(one.rows) for one in expected(mission, vehicle).values()) > _TRIED:
+    if not _tried(mission, vehicle):
         return
     each: tuple[Iterator[tuple[str, Rows | Cover]], ...] = (
         _fixes(kind, len(pattern.rows)),
@@ -204,13 +230,23 @@ def _shorter(kind: Rows | Cover) -> Iterator[tuple[str, Rows]]:
 
 
 def _does(mission: Mission, vehicle: Vehicle, path: str, changed: Leg) -> bool:
+    return _stands(changed) and not any(_missed(_with_leg(mission, vehicle, path, changed)))
+
+
+def _stands(changed: Leg) -> bool:
     row = LEGS[type(changed.kind)]
-    if row.parts(changed) and row.parts_fault(changed):
-        return False
+    return not (row.parts(changed) and row.parts_fault(changed))
+
+
+def _with_leg(mission: Mission, vehicle: Vehicle, path: str, changed: Leg) -> Outlook:
     tried = replace(mission, body=_with(mission.body, path, changed))
-    found = expected(tried, vehicle)
     aims = next(aims for at, _, aims in purposes(tried) if at == path)
-    return not any(_missed(_outlook(path, found[path], aims)))
+    return _outlook(path, expected(tried, vehicle)[path], aims)
+
+
+def _tried(mission: Mission, vehicle: Vehicle) -> bool:
+    """Whether the outlook on a change is not too much work."""
+    return sum(len(one.rows) for one in expected(mission, vehicle).values()) <= _TRIED
 
 
 def _with(body: tuple[Node, ...], path: str, changed: Leg) -> tuple[Node, ...]:

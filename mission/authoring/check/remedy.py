@@ -16,7 +16,8 @@ from dataclasses import dataclass, replace
 
 from mission.authoring.check.bounds import Bounds, Trail
 from mission.authoring.check.flow import ROUNDS, Proof, trail
-from mission.model import AUTONOMOUS, IMPLICIT_SURFACE, Chart, Leg, State
+from mission.legs import LEGS
+from mission.model import AUTONOMOUS, IMPLICIT_SURFACE, Chart, Group, Leg, Node, State
 
 _TOLD = 5  # legs whose share is told
 _TRIES = 3  # for a change that was not enough
@@ -88,24 +89,62 @@ def _clock(
     figure: Figure, chart: Chart, proof: Proof, walk: Callable[[Chart], Proof]
 ) -> Iterator[str]:
     """A shorter clock for the leg with the greatest share."""
-    shares = {p: s for p, s in _shares(figure, proof).items() if p != IMPLICIT_SURFACE}
+    shares = _written(chart, _shares(figure, proof))
     if not shares:
         return
     path, share = max(shares.items(), key=lambda row: row[1].amount)
-    leg = chart.state(path).leg
-    assert leg is not None
+    leg = _leg(chart, path)
     word = "for" if leg.duration is not None else "timeout"
-    now = clock = share.time / share.times
+    now = clock = share.time / share.times if chart.state(path).leg else leg.timeout or 0.0
     tried = proof
     for _ in range(_TRIES):
-        per_second = share.amount / share.time * share.times
-        clock = math.floor(clock - figure.excess(tried) / per_second)
+        clock = math.floor(clock - figure.excess(tried) * now / share.amount)
         if clock < _SHORTEST:
             return
-        tried = walk(_with(chart, path, _clocked(chart.state(path), clock)))
+        tried = walk(_clocked(chart, path, clock))
         if figure.excess(tried) <= 0.0:
             yield f"{word} {clock:g} s in {_name(path)} (now {now:g} s)"
             return
+
+
+def _written(chart: Chart, shares: dict[str, _Share]) -> dict[str, _Share]:
+    """By leg as its author wrote it: parts that share its clock as one, others by no name."""
+    found: dict[str, _Share] = {}
+    for path, share in shares.items():
+        state = chart.state(path)
+        if path == IMPLICIT_SURFACE:
+            continue
+        if isinstance(_leg_of(chart, state.parent), Leg):
+            if not _shares_clock(state):
+                continue
+            path = state.parent
+        before = found.get(path, _Share(0.0, 0, 0.0))
+        found[path] = _Share(
+            before.amount + share.amount, before.times + share.times, before.time + share.time
+        )
+    return found
+
+
+def _shares_clock(part: State) -> bool:
+    """Of rows that resurface a run has its share of the leg's clock, a way up its own."""
+    leg = part.leg
+    return leg is not None and leg.duration is None and not LEGS[type(leg.kind)].ascends
+
+
+def _leg_of(chart: Chart, path: str) -> Node | None:
+    """What stands there in the mission as it is written."""
+    body: tuple[Node, ...] = chart.mission.body
+    found: Node | None = None
+    for name in path.split("/")[1:]:
+        found = next((node for node in body if node.name == name), None)
+        body = found.body if isinstance(found, Group) else ()
+    return found
+
+
+def _leg(chart: Chart, path: str) -> Leg:
+    leg = chart.state(path).leg or _leg_of(chart, path)
+    assert isinstance(leg, Leg)
+    return leg
 
 
 def _rounds(
@@ -140,11 +179,17 @@ def _with(chart: Chart, path: str, changed: State) -> Chart:
     return replace(chart, states=tuple(changed if s.path == path else s for s in chart.states))
 
 
-def _clocked(state: State, clock: float) -> State:
-    assert isinstance(state.leg, Leg)
-    timed = state.leg.duration is not None
-    leg = replace(state.leg, duration=clock) if timed else replace(state.leg, timeout=clock)
-    return replace(state, leg=leg)
+def _clocked(chart: Chart, path: str, clock: float) -> Chart:
+    """With that clock for the leg, and for its parts what they have of it."""
+    leg = _leg(chart, path)
+    timed = leg.duration is not None
+    leg = replace(leg, duration=clock) if timed else replace(leg, timeout=clock)
+    if chart.state(path).leg is not None:
+        return _with(chart, path, replace(chart.state(path), leg=leg))
+    for part in LEGS[type(leg.kind)].parts(leg):
+        at = f"{path}/{part.name}"
+        chart = _with(chart, at, replace(chart.state(at), leg=part))
+    return chart
 
 
 def _repeated(state: State, rounds: int) -> State:

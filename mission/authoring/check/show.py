@@ -119,5 +119,12 @@ def _expected(one: Outlook) -> str:
 def _late(one: Outlook) -> str:
     if one.needs is None:
         return ""
-    time = "it makes no way" if math.isinf(one.needs) else f"it takes {math.ceil(one.needs)} s"
+    if math.isinf(one.needs):
+        return "; its clock may end it before: it makes no way against the current"
+    if one.rows:
+        return (
+            f"; its clock may end it before: {math.ceil(one.needs)} s would do for 95 % of dives, "
+            "wherever the current comes from"
+        )
+    time = f"it takes {math.ceil(one.needs)} s"
     return f"; its clock may end it before: {time} straight against the current"

@@ -35,7 +35,7 @@ def read(data: bytes, found: Findings) -> Source:
 
 def _steps(lines: list[str], found: Findings) -> tuple[Step, ...]:
     plain = [line.partition("#")[0].strip() for line in lines]
-    if "behavior_name=goto_list" not in (line.replace(" ", "") for line in plain):
+    if "behavior_name=goto_list" not in (line.replace(" ", "").lower() for line in plain):
         found.refuse(
             "plan-format", "", "no behavior_name=goto_list", "a .mi has no points, its .ma has"
         )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
+import re
 
 import pytest
 
@@ -66,9 +67,27 @@ def test_rows_that_leave_strips_unseen_are_refused_with_a_spacing_that_does() ->
     assert report("resurface 1 achieve coverage 85%", nearer).ok
 
 
-def test_what_no_change_cures_is_said_to() -> None:
-    (found,) = report("resurface 1 achieve position 1").refusals
-    assert "ask for less" in found.hint
+def test_what_no_change_cures_is_told_with_what_can_be_asked_for_and_that_is_enough() -> None:
+    asked = re.compile(r"(with resurface 1 )?ask for coverage (\d+)% and position (\d+) m;")
+    often = asked.search(report("resurface 1 achieve coverage 99% position 1").refusals[0].hint)
+    never = asked.search(report("achieve coverage 99% position 1").refusals[0].hint)
+    assert often
+    assert never
+    assert (often[1], never[1]) == (None, "with resurface 1 ")
+    assert often.groups()[1:] == never.groups()[1:]
+    coverage, position = int(often[2]), int(often[3])
+    assert report(f"resurface 1 achieve coverage {coverage}% position {position}").ok
+    assert not report(f"resurface 1 achieve coverage {coverage + 1}%").ok
+    assert not report(f"resurface 1 achieve position {position - 1}").ok
+
+
+def test_no_share_is_refused_as_the_same_that_is_wanted() -> None:
+    wide = TEXT.replace("spacing 20", "spacing 40")
+    expects = report("resurface 1 achieve coverage 1%", wide).outlook[0].coverage
+    assert expects is not None
+    (found,) = report(f"resurface 1 achieve coverage {100 * expects + 0.3:.1f}%", wide).refusals
+    said, wanted = (float(n) for n in re.findall(r"(\d+\.?\d*)%", found.message)[:2])
+    assert said <= 100 * expects < wanted
 
 
 def test_a_share_of_an_area_needs_a_swath() -> None:
@@ -194,6 +213,24 @@ def test_so_is_one_that_goes_to_a_place_from_where_the_legs_before_led() -> None
     assert near is None
     assert far is not None
     assert 240.0 < far < 200 / 0.6355  # the dive has led it north already
+
+
+def test_rows_whose_clock_may_end_them_are_told_one_that_does() -> None:
+    """Of parts that resurface each has its share; 95 % of dives make 83.6 % of the speed."""
+    for more, rows in (("", 4), ("resurface 2 ", 2), ("resurface 1 ", 1)):
+        told = report(f"{more}achieve coverage 1%", TEXT.replace("25min", "10min"))
+        (one,) = told.outlook
+        assert one.needs is not None
+        there = 150 / 0.6355  # straight against the current
+        back = 150 / 1.0355 if rows > 1 else there
+        over = (4 - 4 / rows) * 20 / 0.6355
+        assert 2.0 * (there + back) < one.needs < 2.0 * (there + back) + over + 4 / rows * 170
+        clock = f"timeout {math.ceil(one.needs)}s"
+        assert f"its clock may end it before: {math.ceil(one.needs)} s would do" in as_text(
+            "m", told, "0" * 64
+        )
+        enough = report(f"{more}achieve coverage 1%", TEXT.replace("timeout 25min", clock))
+        assert enough.outlook[0].needs is None
 
 
 def test_a_leg_that_makes_no_way_against_the_current_is_told_so() -> None:

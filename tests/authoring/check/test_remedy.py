@@ -84,3 +84,20 @@ def test_a_change_that_leaves_another_way_too_long_is_not_told() -> None:
     hint = refused(lines.format(time=round(proved.worst_time - 100)))["time"].hint
     assert hint.startswith("of it: b 16.7 min")
     assert "in b (now" not in hint
+
+
+ROWS = (
+    "mission m vehicle auv\nsafety time {time} depth 12\nstart without fix\n"
+    "mow: rows 4 bearing 90 length 150 spacing 20 from north 9 east 0 resurface {fixes} gear 4\n"
+    "+ depth 6 timeout {clock}\n"
+)
+
+
+@pytest.mark.parametrize("fixes", [1, 2])
+def test_rows_that_resurface_are_told_the_clock_that_their_author_wrote(fixes: int) -> None:
+    plain = ROWS.format(time="65min", fixes=fixes, clock="1h")
+    found = re.search(r"timeout (\d+) s in mow \(now 3600 s\)", refused(plain)["time"].hint)
+    assert found
+    for clock, short in ((int(found[1]), True), (int(found[1]) + 2, False)):
+        tried = refused(ROWS.format(time="65min", fixes=fixes, clock=f"{clock}s"))
+        assert ("time" not in tried) == short

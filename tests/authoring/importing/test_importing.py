@@ -138,6 +138,7 @@ def test_a_mission_that_the_check_refuses_is_written_and_exits_1(tmp_path: Path)
         (".plan", plan(), "mission.items[1]: command 201"),
         (".plan", plan(), "geoFence.polygons: a fence"),
         (".ma", slocum(), "line 4: num_legs_to_run -1"),
+        (".ma", slocum(name="Goto_list"), "line 4: num_legs_to_run -1"),
         (".bhv", moos(), "line 10: behavior BHV_Loiter"),
         (".bhv", moos(), "line 5: condition = DEPLOY = true"),
         (".waypoints", wpl(["4 0 3 16 0 0 0 0 30.2882 120.154 -5 1"]), "line 2: index 4"),
