@@ -11,13 +11,18 @@ from mission.commands.options import AS_JSON
 
 @click.command()
 @click.argument("file", type=click.Path(path_type=Path))
+@click.option(
+    "--rounded",
+    is_flag=True,
+    help="Estimates may differ in their last digits: another kind of processor recorded them.",
+)
 @AS_JSON
-def replay(file: Path, as_json: bool) -> None:
+def replay(file: Path, rounded: bool, as_json: bool) -> None:
     """Re-run the black box FILE and compare every step, estimate and sent byte.
 
-    Exit 0 if all is there and identical, 1 with the first divergence, 2 if FILE cannot be used, 3
-    if what is there is the same but records are missing (cut or damaged): which part could be
-    compared is told. Of a recording in parts name any.
+    Exit 0 if all is there and identical (with --rounded: but for rounding), 1 with the first
+    divergence, 2 if FILE cannot be used, 3 if what is there is the same but records are missing
+    (cut or damaged): which part could be compared is told. Of a recording in parts name any.
     """
     import json
 
@@ -26,7 +31,7 @@ def replay(file: Path, as_json: bool) -> None:
     from mission.onboard.blackbox import BlackBoxError, recording
 
     try:
-        result = again(list(recording(file)))
+        result = again(list(recording(file)), rounded)
     except (BlackBoxError, ReplayError) as error:
         click.echo(f"{file}: {error}" if isinstance(error, ReplayError) else str(error), err=True)
         raise SystemExit(2) from None
@@ -48,6 +53,8 @@ def replay(file: Path, as_json: bool) -> None:
             "until_s": result.until,
             "version": result.version,
             "divergence": first,
+            "rounded": result.rounded,
+            "apart": result.apart,
             "missing": [
                 {
                     "after_s": gap.after,
@@ -63,4 +70,4 @@ def replay(file: Path, as_json: bool) -> None:
         click.echo(json.dumps(data))
     else:
         click.echo(summary(result))
-    raise SystemExit(0 if result.identical else 3 if result.same else 1)
+    raise SystemExit(0 if result.whole else 3 if result.same else 1)

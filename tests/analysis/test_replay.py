@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from pathlib import Path
 
 import pytest
@@ -145,6 +146,52 @@ def test_of_two_steps_the_fields_that_differ_are_named(recorded: list[Record]) -
     text = json.dumps(step, separators=(",", ":")).encode()
     records = [*recorded[:number], Record(recorded[number].t, STEP, text), *recorded[number + 1 :]]
     assert '  event: "something else" -> ' in summary(replay(records))
+
+
+def rounded(records: list[Record], by: float) -> list[Record]:
+    """Every tenth estimate with another depth, as another processor's arithmetic has it."""
+    out = []
+    for n, record in enumerate(records):
+        if record.kind == ESTIMATE and n % 10 == 0:
+            told = json.loads(record.payload)
+            told["depth"] += by
+            text = json.dumps(told, separators=(",", ":")).encode()
+            record = Record(record.t, ESTIMATE, text)
+        out.append(record)
+    return out
+
+
+def test_another_processors_last_digits_are_told_and_passed_when_that_is_asked_for(
+    recorded: list[Record], tmp_path: Path
+) -> None:
+    path = str(saved(tmp_path / "box.mcap", rounded(recorded, 1e-12)))
+    strict = CliRunner().invoke(command, [path])
+    assert strict.exit_code == 1
+    assert "in the last digits only" in strict.output
+    passed = CliRunner().invoke(command, ["--rounded", path])
+    assert passed.exit_code == 0, passed.output
+    assert passed.output.startswith(f"the same: {len(recorded)} records")
+    assert "estimates to rounding" in passed.output
+    found = replay(list(read_records(tmp_path / "box.mcap")), rounded=True)
+    assert found.whole
+    assert not found.identical
+
+
+@pytest.mark.parametrize("by", [1e-6, math.inf])
+def test_what_is_more_than_rounding_is_a_difference_though_rounding_is_passed(
+    recorded: list[Record], by: float
+) -> None:
+    found = replay(rounded(recorded, by), rounded=True)
+    assert found.divergence is not None
+    assert "last digits" not in summary(found)
+
+
+@pytest.mark.parametrize("kind", [TX, STEP])
+def test_a_byte_or_a_step_is_never_rounded(recorded: list[Record], kind: str) -> None:
+    number, records = changed(recorded, kind, 5)
+    found = replay(records, rounded=True).divergence
+    assert found is not None
+    assert found.number == number
 
 
 def test_another_input_is_followed_by_other_outputs(recorded: list[Record]) -> None:

@@ -5,12 +5,14 @@ from __future__ import annotations
 import functools
 import json
 import os
+import platform
 import signal
 import subprocess
 import sys
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from known_missions import KNOWN as SHIPPED
 from labour import Job, do
@@ -211,6 +213,26 @@ def test_programs_differ_by_what_they_compute_with() -> None:
     assert difference(ours, ours) == ""
     assert difference({**ours, "numpy": "1.0"}, ours) == f"numpy 1.0, here {ours['numpy']}"
     assert difference({}, ours).count("unknown") == len(ours)
+
+
+def arithmetic(kernel: str) -> str:
+    words = "from mission.verification.workers.code import code; print(code()['arithmetic'])"
+    told = subprocess.run(
+        [sys.executable, "-c", words],
+        env=os.environ | {"OPENBLAS_CORETYPE": kernel},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    return told.stdout.strip()
+
+
+def test_programs_differ_by_how_their_processor_multiplies_matrices() -> None:
+    """One kernel has multiplications and additions in one instruction, the other has not."""
+    blas = np.show_config("dicts")["Build Dependencies"]["blas"]["name"]  # type: ignore[index]
+    if platform.machine() != "x86_64" or "openblas" not in blas:
+        pytest.skip("numpy multiplies by other means here")
+    assert arithmetic("Nehalem") != arithmetic("Haswell")
 
 
 @pytest.mark.parametrize("on", ["here", "processes://x", "dask://", "dask://host", "dask://:87"])

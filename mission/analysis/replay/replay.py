@@ -7,6 +7,10 @@ anywhere (a power cut): what the runtime would have recorded beyond its end is n
 program's version in the start record may differ; it is told. Of the first form, what was not on
 record then is left out.
 
+Another kind of processor multiplies the filter's matrices by other instructions, and the last
+digits of estimates follow (an aarch64 Pi, an x86-64 laptop). Who asks for it has estimates compared
+to ``ROUNDING``, and is told how far they are apart; all else stays to the last bit.
+
 Where records are missing, the comparison goes on behind them if they can only have been outputs
 that the inputs before them made; else it ends there, and says so.
 
@@ -18,9 +22,11 @@ What does not live here: files (blackbox), how a runtime is made again (rerun).
 from __future__ import annotations
 
 import json
+import math
 from collections import deque
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Any
 
 from mission import __version__
 from mission.analysis.replay.rerun import failed_writes, feed, runtime_from
@@ -29,6 +35,8 @@ from mission.onboard.blackbox import Gap
 from mission.onboard.runtime import records as rec
 from mission.onboard.runtime.runtime import Runtime
 from mission.onboard.stream.events import frame_text
+
+ROUNDING = 1e-9  # of a number, or of 1 where it is smaller
 
 
 class ReplayError(ValueError):
@@ -59,10 +67,17 @@ class Replayed:
     divergence: Divergence | None
     gaps: tuple[Gap, ...] = ()  # all of the recording; behind ``until`` nothing was compared
     beyond: int = 0  # whole records behind the gap that ended the comparison
+    rounded: int = 0  # estimates that are the same to rounding only
+    apart: float = 0.0  # by how much at most, as ``ROUNDING`` is
 
     @property
     def identical(self) -> bool:
-        """All that was recorded is there, was compared, and is the same."""
+        """All that was recorded is there, was compared, and is the same to the last bit."""
+        return self.whole and not self.rounded
+
+    @property
+    def whole(self) -> bool:
+        """All that was recorded is there, was compared, and is the same as it was asked for."""
         return self.same and all(gap.whole for gap in self.gaps)
 
     @property
@@ -71,8 +86,8 @@ class Replayed:
         return self.divergence is None
 
 
-def replay(recording: Sequence[Record | Gap]) -> Replayed:
-    """Raises ReplayError."""
+def replay(recording: Sequence[Record | Gap], rounded: bool = False) -> Replayed:
+    """``rounded``: estimates may differ by ``ROUNDING``. Raises ReplayError."""
     records = [item for item in recording if isinstance(item, Record)]
     start = _start(recording)
     again = rec.ListRecorder()
@@ -80,19 +95,26 @@ def replay(recording: Sequence[Record | Gap]) -> Replayed:
         runtime = runtime_from(start, failed_writes(records), again)
     except ValueError as error:
         raise ReplayError(f"recorded by version {start.version}: {error}") from error
-    return _Comparison(start, runtime, again, records[0]).run(recording)
+    return _Comparison(start, runtime, again, records[0], rounded).run(recording)
 
 
 class _Comparison:
     """What the runtime records again, beside what was recorded."""
 
     def __init__(
-        self, start: rec.Start, runtime: Runtime, again: rec.ListRecorder, first: Record
+        self,
+        start: rec.Start,
+        runtime: Runtime,
+        again: rec.ListRecorder,
+        first: Record,
+        rounded: bool,
     ) -> None:
         self._version, self._runtime, self._again = start.version, runtime, again
         self._left_out = rec.SINCE_FORM_2 if start.form < rec.FORM else frozenset[str]()
         self._produced: deque[Record] = deque()
         self._cause, self._inputs, self._until, self._number = first, 0, 0.0, 0
+        self._tolerance = ROUNDING if rounded else 0.0
+        self._rounded, self._apart = 0, 0.0
 
     def run(self, recording: Sequence[Record | Gap]) -> Replayed:
         gaps = tuple(item for item in recording if isinstance(item, Gap))
@@ -109,7 +131,15 @@ class _Comparison:
         self, gaps: tuple[Gap, ...], divergence: Divergence | None = None, beyond: int = 0
     ) -> Replayed:
         return Replayed(
-            self._number, self._inputs, self._until, self._version, divergence, gaps, beyond
+            self._number,
+            self._inputs,
+            self._until,
+            self._version,
+            divergence,
+            gaps,
+            beyond,
+            self._rounded,
+            self._apart,
         )
 
     def _compare(self, record: Record) -> Divergence | None:
@@ -121,11 +151,20 @@ class _Comparison:
             feed(self._runtime, record)
             self._take()
         actual = self._produced[0] if self._produced else None
-        if actual is None or not _same(record, actual):
+        if actual is None or not self._same(record, actual):
             return Divergence(self._number, self._cause, record, actual)
         self._produced.popleft()
         self._number, self._until = self._number + 1, record.t
         return None
+
+    def _same(self, recorded: Record, now: Record) -> bool:
+        if _same(recorded, now):
+            return True
+        apart = _apart(recorded, now) if self._tolerance else math.inf
+        if apart > self._tolerance:
+            return False
+        self._rounded, self._apart = self._rounded + 1, max(self._apart, apart)
+        return True
 
     def _take(self) -> None:
         made = self._again.records
@@ -165,14 +204,36 @@ def _same(recorded: Record, now: Record) -> bool:
     )
 
 
+def _apart(recorded: Record, now: Record) -> float:
+    """By how much the numbers of two estimates differ at most, each as a share of the greater one
+    or of 1; infinite if anything else does."""
+    if not recorded.kind == now.kind == rec.ESTIMATE or not _same(
+        recorded, replace(now, payload=recorded.payload)
+    ):
+        return math.inf
+    return _between(json.loads(recorded.payload), json.loads(now.payload))
+
+
+def _between(one: Any, other: Any) -> float:
+    if isinstance(one, float) and isinstance(other, float) and math.isfinite(one - other):
+        return abs(one - other) / max(abs(one), abs(other), 1.0)
+    if isinstance(one, dict) and isinstance(other, dict) and list(one) == list(other):
+        return max((_between(one[key], other[key]) for key in one), default=0.0)
+    if isinstance(one, list) and isinstance(other, list) and len(one) == len(other):
+        return max(map(_between, one, other), default=0.0)
+    return 0.0 if one == other and type(one) is type(other) else math.inf
+
+
 # --- in words ------------------------------------------------------------------------------------
 
 
 def summary(result: Replayed) -> str:
     other = f", recorded by version {result.version}" if result.version != __version__ else ""
     extent = f"{result.records} records, {result.inputs} inputs, {result.until:.3f} s{other}"
-    if result.identical:
-        return f"identical: {extent}"
+    if result.rounded:
+        extent += f"; {result.rounded} estimates to rounding, {result.apart:.1g} apart at most"
+    if result.whole:
+        return f"{'the same' if result.rounded else 'identical'}: {extent}"
     if result.divergence is None:
         head = f"the same as far as it can be compared: {extent}"
         return "\n".join([head, *_not_compared(result)])
@@ -183,7 +244,12 @@ def summary(result: Replayed) -> str:
         f"  recorded  {describe(found.expected)}",
         f"  now       {describe(found.actual)}",
     ]
-    return "\n".join([*lines, *_fields(found)])
+    return "\n".join([*lines, *_fields(found), *_hint(found)])
+
+
+def _hint(found: Divergence) -> Iterator[str]:
+    if found.expected and found.actual and _apart(found.expected, found.actual) <= ROUNDING:
+        yield "  in the last digits only: another kind of processor recorded it? --rounded goes on"
 
 
 def _not_compared(result: Replayed) -> Iterator[str]:

@@ -1,13 +1,17 @@
 """Which program this is: two that say the same give the same results.
 
 Sources, vehicles and missions as they lie on the disk, the build, and what computes beneath them.
+Of that the version does not tell all: numpy's products of matrices take the instructions that the
+processor has, and their last bits follow.
 """
 
 from __future__ import annotations
 
 import functools
 import hashlib
+import math
 import platform
+import struct
 from collections.abc import Iterator, Mapping
 from importlib.metadata import version
 from pathlib import Path
@@ -15,10 +19,13 @@ from pathlib import Path
 import mission
 from mission import __version__
 from mission.model.compiled import build
-from mission.model.shipped import missions_folder
+from mission.model.shipped import load_vehicle, missions_folder
+from mission.navigation.filter import Filter, Motion
+from mission.navigation.model import figures
 
 _PACKAGES = ("mission", "links", "protocol")
 _BENEATH = ("numpy", "scipy", "filterpy", "transitions")
+_FUNCTIONS = (math.sin, math.cos, math.tan, math.atan, math.exp, math.log, math.sqrt)
 _UNREAD = {".pyc", ".so", ".pyd"}
 
 
@@ -30,6 +37,7 @@ def code() -> Mapping[str, str]:
         "build": build(),
         "python": platform.python_version(),
         "machine": f"{platform.machine()} {' '.join(platform.libc_ver())}".strip(),
+        "arithmetic": _arithmetic(),
         **{name: version(name) for name in _BENEATH},
     }
 
@@ -42,6 +50,20 @@ def difference(theirs: Mapping[str, str], ours: Mapping[str, str]) -> str:
         if theirs.get(name) != ours.get(name)
     ]
     return "; ".join(found)
+
+
+def _arithmetic() -> str:
+    """Of some steps of the filter, whose matrices are as large as in flight, and of functions."""
+    own = Filter(figures(load_vehicle("auv")))
+    for n in range(1, 30):
+        run = Motion(heading=0.3 * n, expected=1.0, sway=0.01 * n, turned=0.1)
+        own.predict(0.1 * n, run)
+        own.vertical(0.17 * n, 20.0 - 0.31 * n)
+        own.fix(1.1 * n, 0.7 * n, 6.0 + n)
+        own.velocity(0.13 * n, 0.11, run)
+    values = [f(0.37 * n) for f in _FUNCTIONS for n in range(1, 100)]
+    bits = own.x.tobytes() + own.covariance.tobytes() + struct.pack(f"{len(values)}d", *values)
+    return hashlib.sha256(bits).hexdigest()[:8]
 
 
 def _digest() -> str:
