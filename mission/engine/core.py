@@ -16,7 +16,7 @@ from mission.engine.bounds import admit, in_force
 from mission.engine.clearance import Clearance
 from mission.engine.limits import Limit
 from mission.engine.machine import Machine
-from mission.engine.rest import DEEP, DEEP_AGAIN
+from mission.engine.rest import DEEP, DEEP_AGAIN, ENDED, UNSEEN
 from mission.engine.run import Run
 from mission.engine.state import EngineState, Moved
 from mission.engine.vehicle_state import SURFACE_DEPTH
@@ -39,6 +39,7 @@ from mission.model import (
     Result,
 )
 from mission.model.regions import IDLE, MANUAL
+from mission.navigation.fixes import SETTLED
 from protocol.messages import Order, Setpoint
 
 REPEAT_STOP = 0.5  # s (R7)
@@ -301,8 +302,20 @@ class Core(EngineState):
         unsure = state.depth is None and not state.receiver.settled(report.t)
         self.rest.follow(report.t, state.moving_depth if unsure else None)
         why = self.rest.stays_down() if kind == "stopped" else self.rest.sinks
-        if (why := why or self.rest.goes_down) and self.auto:
+        if (why := why or self.rest.goes_down or self._goes_under) and self.auto:
             self.surface("limit", why, By.LIMIT)
+
+    @property
+    def _goes_under(self) -> str:
+        """Why it is taken to sink though no depth is believed, "" if it is not: the fixes that
+        proved the surface have ended since it was let go."""
+        state, let_go = self.vehicle_state, self.now - self.let_go_at
+        quiet = state.receiver.quiet(self.now)
+        if state.depth is not None or let_go > UNSEEN or quiet is None:
+            return ""
+        if self.active != SURFACED or not ENDED <= quiet <= let_go + SETTLED:
+            return ""
+        return f"no fix for {quiet:.0f} s since it was let go, and no depth is believed"
 
     def take_stick(self) -> None:
         """Enters manual/driving; a mission stays where it was interrupted."""

@@ -24,6 +24,7 @@ from mission.model.copies import copied
 
 DEEP = 2.0  # m
 DEEP_AGAIN = 1.0  # m, in surfaced
+ENDED, UNSEEN = 8.0, 60.0  # s without a fix, of the first that nobody sees by a depth (R7)
 SUNK = 0.5  # m deeper than it has been: five sigmas of a depth
 RISEN = 0.5  # m in RISE_TIME, or it does not rise
 RISE_TIME = 20.0  # s

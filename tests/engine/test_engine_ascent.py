@@ -10,7 +10,7 @@ from engine_world import VEHICLE, M, W, World, X, leg, mission, when
 
 from mission.engine.ascent import DOWNWARD, Ascent
 from mission.legs import Surface
-from mission.model import IDLE_READY, STOPPED, SURFACED, SURFACING, Restarted
+from mission.model import IDLE_READY, STOPPED, SURFACED, SURFACING, AutoNode, Restarted
 from protocol.messages import UPWARD, ClearMission, Order, Setpoint
 
 LONG = 20000.0
@@ -402,11 +402,47 @@ def test_what_sank_out_of_surfaced_is_brought_up_by_the_first_depth_that_is_know
     world.wait(60.0)
     fixes(world, 7)
     assert world.state == SURFACED
-    world.wait(20.0)
+    fixes(world, 20)
+    assert world.state == SURFACED
     world.nav.doubt.clear()
     world.depth = 20.0
     world.wait(6.0)
     assert world.state == SURFACING
+
+
+def unseen_at_the_surface(waited: float) -> World:
+    """Proved by fixes alone; ``waited``: s from the ascent's begin until they come."""
+    world = surfacing(0.6)
+    world.nav.doubt["depth"] = "absurd"
+    world.wait(waited)
+    fixes(world, 7)
+    assert world.state == SURFACED
+    return world
+
+
+@pytest.mark.parametrize("waited", [62.0, 72.0])  # in a turn of letting go, and of a push
+def test_what_sinks_unseen_is_brought_up_when_its_fixes_end_and_then_held_up(waited: float):
+    """Heavy, and no depth: let go, it would sink for ever without a word."""
+    world = unseen_at_the_surface(waited)
+    world.wait(6.0)
+    assert world.state == SURFACED
+    world.wait(6.0)
+    assert world.state == SURFACING
+    assert world.commands()[-1] == UPWARD
+    while world.state == SURFACING:
+        fixes(world, 1)
+    assert world.state == SURFACED
+
+
+def test_fixes_that_end_unseen_long_after_it_was_let_go_turn_no_thruster():
+    lifted = unseen_at_the_surface(72.0)
+    fixes(lifted, 62)
+    lifted.wait(60.0)
+    assert lifted.state == SURFACED
+    closed = unseen_at_the_surface(72.0)
+    closed.tell(AutoNode(False))
+    closed.wait(60.0)
+    assert closed.state == SURFACED
 
 
 RISE, SINK = VEHICLE.ascent_buoyancy, VEHICLE.limits.descent_rate
