@@ -201,7 +201,7 @@ def _dive(settings: Settings, profile: str, trial: Trace) -> float:
     speed = math.sqrt(max(thrust, 0.0) / body.quadratic[2])
     diving = [f for f in settings.faults if f.name.startswith("dives_")]
     dives = [f.name for f in diving]
-    in_vain = profile == "as-built" or "dives_until_up" in dives
+    in_vain = profile == "as-built" or bool(dives)
     seconds = SAMPLES + TURNED + (UNPROVED if in_vain else 1.0)  # of a W
     seconds += WHOLE_ROUND * max(len(dives) - 1, 0)  # one of which begins in the last one's cure
     seconds += WHOLE_ROUND * sum(spoils_a_turn(f, trial.events) for f in diving)
