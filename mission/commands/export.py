@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
+from mission.commands.options import AS_JSON
 from mission.commands.output import writing
 
 if TYPE_CHECKING:
@@ -23,7 +25,10 @@ if TYPE_CHECKING:
               help="csv, parquet: every topic. gpx, kml, geojson: track, fixes and plan. "
               "Repeatable.")  # fmt: skip
 @click.option("--force", is_flag=True, help="Write over what is there.")
-def export(files: tuple[Path, ...], output: Path, forms: tuple[str, ...], force: bool) -> None:
+@AS_JSON
+def export(
+    files: tuple[Path, ...], output: Path, forms: tuple[str, ...], force: bool, as_json: bool
+) -> None:
     """Write black boxes as CSV, Parquet, GPX, KML or GeoJSON.
 
     Each FILE goes into a folder of its own in --output, by its name. Units are in columns.csv, in
@@ -38,14 +43,16 @@ def export(files: tuple[Path, ...], output: Path, forms: tuple[str, ...], force:
         into = folders(output, logs)
         if not force:
             _refuse_what_is_there(into, forms)
-        wrong = False
+        wrong, written = list[str](), list[Path]()
         for log, folder in zip(logs, into, strict=True):
             made, why = _made(log, forms)
             with writing(folder):
-                _write(folder, made)
+                written += _write(folder, made, quiet=as_json)
             for one in why:
                 click.echo(one, err=True)
-            wrong = wrong or bool(why)
+            wrong += why
+        if as_json:
+            click.echo(json.dumps({"written": [str(path) for path in written], "refusals": wrong}))
         if wrong:
             raise SystemExit(2)
     except (BlackBoxError, ExportError) as error:
@@ -82,13 +89,14 @@ def _made(log: Path, forms: Sequence[str]) -> tuple[list[tuple[str, bytes]], lis
     return made, list(why)
 
 
-def _write(folder: Path, made: Sequence[tuple[str, bytes]]) -> None:
-    if not made:
-        return
-    folder.mkdir(parents=True, exist_ok=True)
+def _write(folder: Path, made: Sequence[tuple[str, bytes]], *, quiet: bool) -> list[Path]:
+    if made:
+        folder.mkdir(parents=True, exist_ok=True)
     for name, content in made:
         (folder / name).write_bytes(content)
-        click.echo(folder / name)
+        if not quiet:
+            click.echo(folder / name)
+    return [folder / name for name, _ in made]
 
 
 def _failed(why: str) -> SystemExit:

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import click
+
+from mission.commands.options import AS_JSON
 
 
 @click.command()
@@ -12,7 +15,8 @@ import click
                 type=click.Path(path_type=Path))  # fmt: skip
 @click.option("--check", "only_check", is_flag=True, help="Change nothing; exit 1 if it would.")
 @click.option("--stdout", is_flag=True, help="Print the result and leave the file alone.")
-def fmt(files: tuple[Path, ...], only_check: bool, stdout: bool) -> None:
+@AS_JSON
+def fmt(files: tuple[Path, ...], only_check: bool, stdout: bool, as_json: bool) -> None:
     """Lay out mission FILEs tidily, in place: indentation, blanks, comments in line.
 
     Words, numbers and comments stay as they are, and so does the mission's digest. A file with
@@ -20,18 +24,22 @@ def fmt(files: tuple[Path, ...], only_check: bool, stdout: bool) -> None:
     """
     from mission.authoring.language import MissionErrors
 
-    changed, unreadable = [], False
+    if stdout and as_json:
+        raise click.UsageError("--stdout prints the mission, --json what became of it: take one")
+    changed, refusals = [], list[dict[str, object]]()
     for path in files:
         try:
             if _laid_out(path, only_check, stdout):
                 changed.append(path)
         except MissionErrors as error:
             click.echo(str(error), err=True)
-            unreadable = True
+            refusals += [found.as_object() for found in error.diagnostics]
     for path in changed:
         click.echo(f"{path}: {'would be laid out' if only_check else 'laid out'}", err=True)
-    if unreadable or (only_check and changed):
-        raise SystemExit(2 if unreadable else 1)
+    if as_json:
+        click.echo(json.dumps({"changed": [str(path) for path in changed], "refusals": refusals}))
+    if refusals or (only_check and changed):
+        raise SystemExit(2 if refusals else 1)
 
 
 def _laid_out(path: Path, only_check: bool, stdout: bool) -> bool:

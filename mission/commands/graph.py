@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import click
 
-from mission.commands.options import MISSION, PARAMETERS, VEHICLE
+from mission.commands.options import AS_JSON, MISSION, PARAMETERS, VEHICLE
 from mission.commands.output import by_suffix, write
+from mission.commands.unreadable import tell_unreadable
 
 
 @click.command()
@@ -23,6 +25,7 @@ from mission.commands.output import by_suffix, write
 )
 @PARAMETERS
 @VEHICLE
+@AS_JSON
 def graph(
     mission: Path,
     output: Path,
@@ -30,6 +33,7 @@ def graph(
     safety: bool,
     parameters: tuple[str, ...],
     vehicle: str | None,
+    as_json: bool,
 ) -> None:
     """Draw MISSION as a state graph: legs, guards, and what leads out of them.
 
@@ -45,7 +49,12 @@ def graph(
     try:
         prepared = prepare(mission, vehicle, parameters_of(parameters))
         drawn = row.draw(outline(prepared.chart, depth), safety)
-    except (Unreadable, NoFont, TooLarge) as error:
+    except Unreadable as error:
+        tell_unreadable(error, as_json)
+        raise SystemExit(2) from None
+    except (NoFont, TooLarge) as error:
         click.echo(str(error), err=True)
         raise SystemExit(2) from None
     write(output, drawn)
+    if as_json:
+        click.echo(json.dumps({"file": str(output), "digest": prepared.chart.digest}))

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import click
+
+from mission.commands.options import AS_JSON
 
 
 @click.command()
@@ -14,7 +17,8 @@ import click
                    "and with --viewer none]")  # fmt: skip
 @click.option("--viewer", "viewers", multiple=True, metavar="NAME",
               help="Who may look at the monitor and command nothing; repeatable.")  # fmt: skip
-def keys(folder: Path, boats: tuple[str, ...], viewers: tuple[str, ...]) -> None:
+@AS_JSON
+def keys(folder: Path, boats: tuple[str, ...], viewers: tuple[str, ...], as_json: bool) -> None:
     """Make a small certificate authority in FOLDER, with an end for the vehicle and for each boat.
 
     Called again, it adds what is missing and changes nothing.
@@ -28,6 +32,9 @@ def keys(folder: Path, boats: tuple[str, ...], viewers: tuple[str, ...]) -> None
     except KeysError as error:
         click.echo(str(error), err=True)
         raise SystemExit(1) from None
+    if as_json:
+        click.echo(json.dumps({"made": [str(path) for path in made]}))
+        return
     for path in made:
         click.echo(f"made {path}")
     if not made:

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import click
 
-from mission.commands.options import BATHYMETRY, MISSION, PARAMETERS, VEHICLE
+from mission.commands.options import AS_JSON, BATHYMETRY, MISSION, PARAMETERS, VEHICLE
 from mission.commands.output import by_suffix, write
 from mission.commands.seafloor import depths_of
+from mission.commands.unreadable import tell_unreadable
 
 
 @click.command()
@@ -18,12 +20,14 @@ from mission.commands.seafloor import depths_of
 @PARAMETERS
 @VEHICLE
 @BATHYMETRY
+@AS_JSON
 def plan(
     mission: Path,
     output: Path,
     parameters: tuple[str, ...],
     vehicle: str | None,
     bathymetry: Path | None,
+    as_json: bool,
 ) -> None:
     """Draw where MISSION means to go: its track in still water, over a grid.
 
@@ -43,9 +47,16 @@ def plan(
         prepared = prepare(mission, vehicle, parameters_of(parameters))
         made = planned(prepared.mission, prepared.chart, prepared.vehicle, depths)
         drawn = row.write(made)
-    except (Unreadable, Unplanned) as error:
+    except Unreadable as error:
+        tell_unreadable(error, as_json)
+        raise SystemExit(2) from None
+    except Unplanned as error:
         click.echo(str(error), err=True)
         raise SystemExit(2) from None
     write(output, drawn)
-    if made.clearance is not None:
+    if as_json:
+        near = made.clearance
+        told = {"file": str(output), "digest": prepared.chart.digest, "seconds": made.seconds}
+        click.echo(json.dumps({**told, "least_water_m": None if near is None else near.least}))
+    elif made.clearance is not None:
         click.echo(made.clearance.told)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import functools
 import json
+import re
 import shlex
 from pathlib import Path
 
@@ -34,17 +36,15 @@ def test_every_option_of_every_command_says_what_it_is_for(name: str) -> None:
     assert not silent
 
 
-WITHOUT_JSON = {
-    **dict.fromkeys(
-        ("chart", "convert", "fmt", "import", "encode", "export"), "what it writes is its result"
-    ),
-    **dict.fromkeys(("schema", "campaign", "score", "monitor"), "it prints JSON in any case"),
-    **dict.fromkeys(("graph", "plan"), "-o FILE.json or FILE.geojson is data"),
-    **dict.fromkeys(("story", "calibrate", "keys"), "it writes files for people or the program"),
-    **dict.fromkeys(
-        ("serve", "stick", "watch", "console", "foxglove", "demo"), "it runs before somebody's eyes"
-    ),
-}
+PAGE = Path(__file__).parents[2] / "docs" / "reference" / "commands.md"
+
+
+@functools.cache
+def without_json() -> dict[str, str]:
+    """Of the page's table: by command, why it has no --json."""
+    table = PAGE.read_text(encoding="utf-8").partition("| without `--json` | because |\n")[2]
+    rows = [row.strip("| ").split(" | ") for row in table.partition("\n\n")[0].splitlines()[1:]]
+    return {name: why for names, why in rows for name in re.findall(r"`([a-z-]+)`", names)}
 
 
 @pytest.mark.parametrize("name", COMMANDS)
@@ -52,7 +52,12 @@ def test_a_command_answers_in_json_or_there_is_a_reason_why_not(name: str) -> No
     command = main.get_command(click.Context(main), name)
     assert command is not None
     options = {option for one in command.params for option in one.opts}
-    assert ("--json" in options) != (name in WITHOUT_JSON)
+    assert ("--json" in options) != (name in without_json())
+
+
+def test_the_reasons_are_of_commands_that_there_are() -> None:
+    assert without_json().keys() <= set(COMMANDS)
+    assert all(without_json().values())
 
 
 @pytest.mark.parametrize("name", ["start", "clear", "stop", "surface", "status"])
@@ -63,10 +68,14 @@ def test_what_a_vehicle_that_is_not_there_answers_is_one_object(name: str) -> No
     assert isinstance(json.loads(ran.stdout), dict)
 
 
-@pytest.mark.parametrize("command", [["simulate"], ["diff"], ["rehearse"], ["upload"], ["check"]])
+@pytest.mark.parametrize("command", [
+    ["simulate"], ["diff"], ["rehearse"], ["upload"], ["check"],
+    ["graph", "-o", "graph.svg"], ["plan", "-o", "plan.svg"],
+])  # fmt: skip
 def test_a_mission_that_cannot_be_read_is_told_as_data_with_its_hints(
-    command: list[str], tmp_path: Path
+    command: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    monkeypatch.chdir(tmp_path)
     bad = tmp_path / "bad.mission"
     bad.write_text("mission bad vehicle auv\nout: heading 90 gear 6\n", encoding="utf-8")
     files = [str(bad)] * (2 if command == ["diff"] else 1)
@@ -75,6 +84,17 @@ def test_a_mission_that_cannot_be_read_is_told_as_data_with_its_hints(
     (found,) = json.loads(ran.stdout)["refusals"]
     assert (found["code"], found["line"], found["file"]) == ("no-time-bound", 2, str(bad))
     assert found["hint"] == "add timeout (or for)"
+
+
+@pytest.mark.parametrize("name", ["convert", "fmt", "graph", "plan"])
+def test_words_that_are_none_are_told_as_data_with_their_hints(name: str, tmp_path: Path) -> None:
+    bad = tmp_path / "bad.mission"
+    bad.write_text("mission bad vehicle auv\ngroup rows repeat 2\n", encoding="utf-8")
+    drawn = ["-o", str(tmp_path / "drawn.svg")] if name in ("graph", "plan") else []
+    ran = CliRunner().invoke(main, [name, str(bad), "--json", *drawn])
+    assert ran.exit_code == 2
+    found = json.loads(ran.stdout)["refusals"]
+    assert any(one["code"] == "syntax" and one["line"] == 2 and one["hint"] for one in found)
 
 
 @pytest.mark.parametrize("name", COMMANDS)

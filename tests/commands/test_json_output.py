@@ -41,6 +41,12 @@ AT_THE_DESK = {
     "decode": "--link auv.to_stm32 {frames}",
     "find-crc": "{frames}",
     "doctor": "-c {none}",
+    "convert": "{mission}",
+    "fmt": "{mission} --check",
+    "graph": "{mission} -o graph.svg",
+    "plan": "{mission} -o plan.geojson",
+    "keys": "keys",
+    "export": "{log} -o out --as csv",
 }
 ON_THE_BOAT = {
     "upload": "{mission}",
