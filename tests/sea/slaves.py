@@ -167,8 +167,9 @@ def possessed(text: str) -> Script:
 
 
 def deaf_surface(world: World) -> Steps:
-    """The board hangs under way, and somebody says `surface`."""
+    """The board hangs under way, a little too heavy, and somebody says `surface`."""
     yield from under_way(world, ROV)
+    world.body.buoyancy = -0.5
     world.board.deaf_after = world.now
     world.mark("due")
     yield from world.command("surface")
@@ -332,7 +333,7 @@ SCENES: tuple[Scene, ...] = (
     Scene(
         "rov-deaf-stop",
         "the same of a stop",
-        deaf(ROV),
+        deaf(ROV.replace("stay: down 0", "stay: gear 3 down 0")),
         (reached(), told("stop", "acknowledged")),
         FAINT,
         {},
