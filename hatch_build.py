@@ -9,8 +9,9 @@ machine makes one extension of them all. Without the variable nothing of this ha
 Other packages are not looked at: what is built follows from this tree alone, whatever is installed.
 Classes are marked as such that interpreted ones may inherit from; with that they can be copied,
 too (others can only if their constructor takes nothing). Dataclasses are told the types of their
-fields again, which mypyc forgets. That is done in the copy that is compiled, and undone there: no
-source needs mypyc.
+fields again, which mypyc forgets. Constants are marked as final: mypyc then writes a number down
+where it is used, and keeps the others where no dictionary has to be asked. That is done in the copy
+that is compiled, and undone there: no source needs mypyc.
 Contraction is off: a multiplication and an addition that become one instruction round once instead
 of twice, and aarch64 would then differ from x86-64 in the last bit.
 """
@@ -25,6 +26,7 @@ import shutil
 import sys
 import sysconfig
 import venv
+from collections import Counter
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import chdir, contextmanager
@@ -46,10 +48,11 @@ _MARK = "@mypyc_attr(allow_interpreted_subclasses=True)\n"
 _BASES = "ABC|EngineState|Watch"  # of the classes that are inherited from, or copied
 _CLASS = re.compile(rf"^(?=class \w+(\(({_BASES})\))?:)", re.MULTILINE)
 _FUTURE = re.compile(r"^(from __future__ import annotations\n)", re.MULTILINE)
-_IMPORT = """from typing import TYPE_CHECKING
+_IMPORT = """from typing import TYPE_CHECKING, Final
 if TYPE_CHECKING:
     from mypy_extensions import mypyc_attr
 """
+_CONSTANT = re.compile(r"_?[A-Z][A-Z0-9_]*")
 LEFT = {".git", ".venv", ".mypy_cache", ".ruff_cache", ".pytest_cache", "build", "dist", "out"}
 
 
@@ -118,16 +121,77 @@ def _sources(folder: Path) -> list[Path]:
 @contextmanager
 def marked(sources: list[Path]) -> Iterator[list[Path]]:
     """Within it the classes without bases, and those of ``_BASES``, say that others may inherit
-    from them."""
+    from them, and constants that they are some."""
     before = {source: source.read_text() for source in sources}
     try:
         for source, text in before.items():
-            copied = _CLASS.sub(_MARK, _FUTURE.sub(r"\1" + _IMPORT, text, count=1))
-            source.write_text(copied + field_types(text))
+            copied = _FUTURE.sub(r"\1" + _IMPORT, finals(text), count=1)
+            source.write_text(_CLASS.sub(_MARK, copied) + field_types(text))
         yield sources
     finally:
         for source, text in before.items():
             source.write_text(text)
+
+
+def finals(text: str) -> str:
+    """The module with its constants marked: names in capitals that are given a value once, by
+    themselves or several in one statement, from as many or from a range. Each stays on its line."""
+    tree, lines = ast.parse(text), text.splitlines(keepends=True)
+    once = _given_once(tree)
+    for node in tree.body:
+        if not isinstance(node, ast.Assign | ast.AnnAssign) or not once.issuperset(_names(node)):
+            continue
+        if isinstance(node, ast.AnnAssign) and node.value is not None:
+            _insert(lines, node.annotation.lineno, node.annotation.end_col_offset, "]")
+            _insert(lines, node.annotation.lineno, node.annotation.col_offset, "Final[")
+        elif isinstance(node, ast.AnnAssign) or len(node.targets) > 1:
+            continue
+        elif isinstance(node.targets[0], ast.Name):
+            _insert(lines, node.lineno, node.targets[0].end_col_offset, ": Final")
+        elif node.lineno == node.end_lineno and (values := _values(node)):
+            pairs = zip(_names(node), values, strict=True)
+            line = "; ".join(f"{name}: Final = {value}" for name, value in pairs)
+            lines[node.lineno - 1] = line + "\n"
+    return "".join(lines)
+
+
+def _given_once(tree: ast.Module) -> set[str]:
+    """Names in capitals that nothing in the module gives another value."""
+    plain = [n for n in tree.body if not isinstance(n, ast.FunctionDef | ast.ClassDef)]
+    stored = Counter(
+        node.id
+        for node in (inner for top in plain for inner in ast.walk(top))
+        if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store)
+    )
+    others = {name for n in ast.walk(tree) if isinstance(n, ast.Global) for name in n.names}
+    found = {name for name, times in stored.items() if times == 1 and _CONSTANT.fullmatch(name)}
+    return found - others
+
+
+def _names(node: ast.Assign | ast.AnnAssign) -> list[str]:
+    """What it gives a value; what is no name as it is written."""
+    targets = node.targets if isinstance(node, ast.Assign) else [node.target]
+    parts = targets[0].elts if isinstance(targets[0], ast.Tuple) else targets
+    return [ast.unparse(part) for part in parts]
+
+
+def _values(node: ast.Assign) -> list[str]:
+    """What each of several names is given; none where that cannot be told."""
+    match node.value:
+        case ast.Tuple(elts=parts):
+            return list(map(ast.unparse, parts))
+        case ast.Call(func=ast.Name(id="range"), args=args) if _are_numbers(args):
+            return list(map(str, range(*map(ast.literal_eval, args))))
+    return []
+
+
+def _are_numbers(values: list[ast.expr]) -> bool:
+    return all(isinstance(value, ast.Constant) for value in values)
+
+
+def _insert(lines: list[str], number: int, column: int | None, words: str) -> None:
+    line = lines[number - 1]
+    lines[number - 1] = line[:column] + words + line[column:]
 
 
 def field_types(text: str) -> str:

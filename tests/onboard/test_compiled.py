@@ -172,6 +172,47 @@ def test_the_types_of_fields_that_mypyc_forgets_are_told_again() -> None:
     assert typing.get_type_hints(names["Curve"], names) == whole
 
 
+CONSTANTS = """from math import pi
+LIMIT = 2.0  # m
+TURN, _FULL = 2 * pi, (1, 2)
+NORTH, EAST = range(2)
+TABLE: dict[str, int] = {
+    "a": 1,
+}
+TWICE = 1
+TWICE = 2
+COUNT = 0
+FIRST, *REST = "abc"
+ONE = OTHER = 3
+LEFT = RIGHT = (5, 6)
+UNSAID: int
+BOTH, NEITHER = range(ONE - 1)
+name = 4
+def count(LIMIT: float) -> None:
+    global COUNT
+    LIMIT = 3.0
+    COUNT += 1
+"""
+
+
+def test_constants_are_marked_and_stay_on_their_lines() -> None:
+    marked = runpy.run_path(str(ROOT / "hatch_build.py"))["finals"](CONSTANTS)
+    before, after = CONSTANTS.splitlines(), marked.splitlines()
+    assert len(after) == len(before)
+    assert [line for old, line in zip(before, after, strict=True) if line != old] == [
+        "LIMIT: Final = 2.0  # m",
+        "TURN: Final = 2 * pi; _FULL: Final = (1, 2)",
+        "NORTH: Final = 0; EAST: Final = 1",
+        "TABLE: Final[dict[str, int]] = {",
+    ]
+    whole: dict[str, Any] = {}
+    again: dict[str, Any] = {"Final": typing.Final}
+    exec("from __future__ import annotations\n" + CONSTANTS, whole)
+    exec("from __future__ import annotations\n" + marked, again)
+    kept = {k: v for k, v in whole.items() if k.isupper()}
+    assert kept == {k: again[k] for k in kept}
+
+
 def test_files_of_c_are_compiled_side_by_side_and_come_back_in_their_order() -> None:
     both_there = threading.Barrier(2, timeout=PATIENCE)
 
