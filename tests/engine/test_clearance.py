@@ -204,28 +204,34 @@ def held(*seen: tuple[float, float | None], kept: Setpoint = BOTH) -> list[float
     return [clearance.told(kept, Below(*one)).depth for one in seen]  # type: ignore[arg-type]
 
 
+@pytest.mark.replaces
 def test_there_has_to_be_room_for_five_seconds():
     assert held((0.0, 9.0), (1.0, 11.5), (5.9, 11.5), (6.0, 11.5)) == [6.0, 6.0, 6.0, 8.0]
 
 
+@pytest.mark.replaces
 def test_room_for_just_what_is_held_is_none():
     assert held((0.0, 9.25), (1.0, 11.5), (5.0, 11.5), (6.0, 11.5)) == [6.0, 6.0, 6.0, 8.0]
 
 
+@pytest.mark.replaces
 def test_the_last_bottom_stands_for_six_seconds():
     seen = [(0.0, 9.0), (6.0, None), (6.5, None), (11.0, None), (11.5, None)]
     assert held(*seen) == [6.0, 6.0, 6.0, 6.0, 7.0]
 
 
+@pytest.mark.replaces
 def test_a_depth_or_a_height_of_nought_is_one():
     assert held((0.0, 9.0), kept=Setpoint(depth=0.0, altitude=3.0)) == [0.0]
     assert held((0.0, 8.0), kept=Setpoint(depth=9.0, altitude=0.0)) == [8.0]
 
 
+@pytest.mark.replaces
 def test_a_set_with_one_of_both_is_the_vehicles_own():
     assert held((0.0, 5.0), kept=Setpoint(depth=8.0)) == [8.0]
 
 
+@pytest.mark.replaces
 def test_without_an_estimate_the_assumed_floor_counts():
     below = Below(0.0, None)
     below.estimate = None  # type: ignore[assignment]

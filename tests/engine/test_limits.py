@@ -80,6 +80,7 @@ def scripted(row: Limit, patch: pytest.MonkeyPatch) -> tuple[LimitMonitor, list[
     return LimitMonitor(LEAKY, VehicleState(), bounds), says
 
 
+@pytest.mark.replaces
 @pytest.mark.parametrize("row", LIMITS.values(), ids=lambda row: row.name)
 def test_every_limit_waits_for_its_whole_persistence(row, monkeypatch):
     """Unknown samples count neither way."""
@@ -115,6 +116,7 @@ def _looks(row: Limit, patch: pytest.MonkeyPatch, said: Iterable[bool]) -> list[
     return found
 
 
+@pytest.mark.replaces
 @pytest.mark.parametrize("row", _LONG_ROWS, ids=lambda row: row.name)
 @pytest.mark.parametrize("seed", range(5))
 def test_a_limit_acts_through_noise_that_now_and_then_says_otherwise(row, seed, monkeypatch):
@@ -123,12 +125,14 @@ def test_a_limit_acts_through_noise_that_now_and_then_says_otherwise(row, seed, 
     assert any(_looks(row, monkeypatch, said))
 
 
+@pytest.mark.replaces
 @pytest.mark.parametrize("row", _LONG_ROWS, ids=lambda row: row.name)
 def test_a_limit_does_not_act_on_what_is_within_its_bound_for_most_of_the_time(row, monkeypatch):
     said = [i % 3 == 0 for i in range(3000)]
     assert not any(_looks(row, monkeypatch, said))
 
 
+@pytest.mark.replaces
 def test_a_leak_that_flickers_is_a_leak(monkeypatch):
     row = next(row for row in LIMITS.values() if row.name == "leak")
     assert _looks(row, monkeypatch, [True, True, False, True, True, False])[4]
@@ -146,6 +150,7 @@ def test_a_noisy_voltage_below_its_limit_trips_within_a_minute():
         assert world.t - begun <= 60.0
 
 
+@pytest.mark.replaces
 def test_a_good_moment_takes_twice_its_time_back(monkeypatch):
     """Bad for 8 s, good for one sample, and bad again: 4 s are left of the 8."""
     row = replace(next(row for row in LIMITS.values() if row.name == "voltage"), seconds=10.0)
@@ -153,6 +158,7 @@ def test_a_good_moment_takes_twice_its_time_back(monkeypatch):
     assert _looks(row, monkeypatch, said).index(True) == 8
 
 
+@pytest.mark.replaces
 @pytest.mark.parametrize("row", LIMITS.values(), ids=lambda row: row.name)
 def test_a_limit_is_looked_at_when_its_source_speaks_and_no_other_time(row, monkeypatch):
     watch, says = scripted(replace(row, samples=1, seconds=0.0), monkeypatch)

@@ -27,9 +27,10 @@ from mission.verification.campaign.excuses import (
     untamed,
 )
 from mission.verification.campaign.faults import shipped, subjects
+from mission.verification.campaign.scene_texts import mission_of
 from mission.verification.rig.acts import Act
 from mission.verification.rig.trace import Done, Event, Heard, Said, Trace
-from mission.verification.rig.vehicle import flown
+from mission.verification.rig.vehicle import flown, simulated
 from protocol.vehicles.auv import SD
 
 REPORT = bytes.fromhex("405344" + "00" * 60 + "DC05" * 7 + "0C003000" + "F05C9375" + "24")
@@ -188,6 +189,13 @@ def test_a_calm_flight_is_told_by_its_seed_and_has_no_fault():
         assert plan.settings.sea.current[0] <= plan.subject.mission.current(0.5)
 
 
+def seen(events: tuple[Event, ...], state: str) -> Trace:
+    """A trace of these alone."""
+    truth = simulated(flown("auv"), 1, Settings()).truth()
+    mission = mission_of("deep")
+    return Trace(events, (), (0.0, 0.0), truth, state, "", None, "", False, mission)
+
+
 @pytest.mark.parametrize(
     ("trigger", "state", "alarmed"),
     [("limit", SURFACING, 1), ("autonomous/a:else", "autonomous/b", 1),
@@ -195,7 +203,7 @@ def test_a_calm_flight_is_told_by_its_seed_and_has_no_fault():
 )  # fmt: skip
 def test_a_limit_that_acts_or_an_else_in_a_calm_flight_is_a_false_alarm(trigger, state, alarmed):
     step = Step(9.0, "", (), (), (state,), (), trigger, None)
-    trial = Trace((step,), (), (0.0, 0.0), None, state, "", None, "", False, None)  # type: ignore[arg-type]
+    trial = seen((step,), state)
     assert len(list(alarms(trial, flown("auv")))) == alarmed
 
 
@@ -207,10 +215,10 @@ def test_the_else_of_a_leg_without_an_echo_is_a_false_alarm_where_the_altimeter_
         Heard(t, SD.encode(SD.decode(REPORT) | {"altitude_m": 4.0 if t in echo else 0.0}))
         for t in (1.9, 3.9, 5.9, 7.9)
     ]
-    seen = Evaluation("autonomous/a:else", True, (("elapsed", 5.0), ("altitude", None)))
-    step = Step(9.0, "telemetry", (seen,), (), ("autonomous/b",), (), "autonomous/a:else", None)
+    looked = Evaluation("autonomous/a:else", True, (("elapsed", 5.0), ("altitude", None)))
+    step = Step(9.0, "telemetry", (looked,), (), ("autonomous/b",), (), "autonomous/a:else", None)
     events = (*reports, step)
-    trial = Trace(events, (), (0.0, 0.0), None, "", "", None, "", False, None)  # type: ignore[arg-type]
+    trial = seen(events, "")
     assert len(list(alarms(trial, flown("auv")))) == alarmed
 
 
