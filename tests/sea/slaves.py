@@ -333,7 +333,7 @@ SCENES: tuple[Scene, ...] = (
     Scene(
         "rov-deaf-stop",
         "the same of a stop",
-        deaf(ROV.replace("stay: down 0", "stay: gear 3 down 0")),
+        deaf(ROV.replace("stay: down 0", "stay: left 2 down 0")),
         (reached(), told("stop", "acknowledged")),
         FAINT,
         {},
