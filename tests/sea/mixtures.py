@@ -233,9 +233,9 @@ SCENES: tuple[Scene, ...] = (
     ),
     Scene(
         "no-depth-heavy",
-        "25 N of thrust lift 4 N of weight",
+        "25 N of thrust lift 4 N of weight, which sinks in the turns of the others: within 4 m, for ever",
         dead_depth(-4.0),
-        (reached(), home(300, HELD, off=False), never_deeper(30), lives()),
+        (reached(), home(300, 4.0, off=False), never_deeper(30), lives()),
     ),
     Scene("no-depth-over", "let go it rises", dead_depth(8.0, over=True), BACK),
     Scene("over-killed", "let go it rises, before and after a crash", over_killed, BACK),

@@ -62,7 +62,8 @@ def _allowed(settings: Settings, profile: str, trial: Trace) -> float:
     it hears U12; nor is what sinks at rest with a depth that is not believed, or was from the
     begin (R7). Knowledge: two of three ways push down what lies upside down, and nothing tells
     that. What is heavy, with a sensor from which nobody can know whether it rises, has its
-    thrusters for a third of the time: physics does not promise that it comes up by that."""
+    thrusters for a third to two thirds of the time: physics does not promise that it comes up by
+    that."""
     floats, lifted = net(settings, NEVER), lift(settings, profile, NEVER)
     rests = not trial.state.startswith(AUTONOMOUS) and trial.state != SURFACING
     is_left = any(end == math.inf for _, end in left(trial.events))
