@@ -72,12 +72,14 @@ export class Line {
     if (ms > 0) this._timer = setTimeout(() => this._gone(HUNG), ms);
   }
 
-  /** @param {string} why */
+  /** One that is still being opened is told and waited for: to give it up, the browser calls an error.
+   * @param {string} why */
   _gone(why) {
-    this._leave();
+    const opening = why === HUNG && this._socket?.readyState === WebSocket.CONNECTING;
+    if (!opening) this._leave();
     this._ears.closed?.(why);
     clearTimeout(this._timer);
-    if (!this._over) this._timer = setTimeout(() => this._open(), AGAIN_MS);
+    if (!opening && !this._over) this._timer = setTimeout(() => this._open(), AGAIN_MS);
   }
 
   /** Without waiting for the other end, which may never answer. */
