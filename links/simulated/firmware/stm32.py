@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import enum
 from abc import ABC, abstractmethod
-from math import degrees, inf, pi
+from math import degrees, floor, inf, pi
 from random import Random
 from struct import Struct
 
@@ -55,8 +55,9 @@ def level_pwm(left: float, right: float, up: float, servos: tuple[int, int]) -> 
     """us of gears: the two mains, the three verticals alike, and the rudders as they are."""
     full, (servo_left, servo_right) = _FULL, servos
     if -full <= left <= full and -full <= right <= full and -full <= up <= full:
-        port, starboard = int(_NEUTRAL + left * GEAR_PWM), int(_NEUTRAL + right * GEAR_PWM)
-        vertical = int(_NEUTRAL + up * GEAR_PWM)
+        neutral, gear = _NEUTRAL, GEAR_PWM
+        port, starboard = floor(neutral + left * gear), floor(neutral + right * gear)
+        vertical = floor(neutral + up * gear)
     else:
         port, starboard, vertical = pwm_of(left), pwm_of(right), pwm_of(up)
     return (port, starboard, vertical, vertical, vertical, servo_left, servo_right)
