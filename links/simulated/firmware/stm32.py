@@ -89,14 +89,12 @@ class Stm32(ABC):
         self.refuses = ""  # codes of @ZA that it answers N
         self.late = 0.0  # s from a command until it is obeyed
         self.splice = 0.0  # chance that an answer lands inside the @SD being sent
-        self._dead_man_at = inf
+        self._dead_man_at = self.due = inf  # due: asked for much more often than it changes
 
     # --- the vehicle's clockwork -----------------------------------------------------------
 
-    @property
-    def due(self) -> float:
-        burst = self.rx.due
-        return burst if burst < self._dead_man_at else self._dead_man_at
+    def _foresee(self) -> None:
+        self.due = min(self.rx.due, self._dead_man_at)
 
     @property
     def reporting(self) -> bool:
@@ -105,6 +103,7 @@ class Stm32(ABC):
 
     def receive(self, data: bytes, now: float) -> None:
         self.rx.feed(data, now + self.late)
+        self._foresee()
 
     def process(self, now: float) -> None:
         """Whatever ``due`` announced for ``now``."""
@@ -119,6 +118,7 @@ class Stm32(ABC):
             if not (self.hung or self.booting or self.deaf):
                 for frame in self.frames(burst):
                     self._execute(frame, now)
+        self._foresee()
 
     def control(self, plant: Plant) -> tuple[int, ...]:
         """The PWMs from now to the next call."""
@@ -218,6 +218,7 @@ class Stm32(ABC):
         """Stops everything first; rudders stay where they are."""
         self.mode = mode
         self._dead_man_at = inf
+        self._foresee()
         self.halt()
         self.drive(0.0, 0.0, 0.0, 0.0, 0.0)
 
