@@ -143,9 +143,9 @@ class Plant:
         """North and east over ground, m/s."""
         if self.aground:
             return 0.0, 0.0
-        below = self.v * sin(self.roll) + self.w * cos(self.roll)
+        v, w, sr, cr = self.v, self.w, sin(self.roll), cos(self.roll)
+        below, across = v * sr + w * cr, v * cr - w * sr
         ahead = self.u * cos(self.pitch) + below * sin(self.pitch)
-        across = self.v * cos(self.roll) - self.w * sin(self.roll)
         sy, cy = sin(self.yaw), cos(self.yaw)
         return (
             ahead * cy - across * sy + self.current_north,
