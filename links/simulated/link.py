@@ -152,7 +152,8 @@ class SimulatedVehicle:
                 stop = min(stop, max(int(due / TICK), self._tick + 1))
             self._run(stop - self._tick)
             self._tick = stop
-            self._at_tick(stop)
+            if stop == self._next_stop:
+                self._at_tick(stop)
 
     def _run(self, ticks: int) -> None:
         plant, control = self.plant, self.stm32.control
