@@ -123,11 +123,11 @@ class SimulatedVehicle:
         self.gps_link = GpsLink(self)
         self._tick = 0
         self._next_report, self._next_second = FIRST_REPORT, SECOND_TICKS
-        self._foretell()
         self._anchor = (*position, 0.0, 0.0)  # latitude, longitude at plant north, east
         self.edges = edges(self.settings.faults, FAULTS, TICK, "the AUV")
         self._refuse_lacking()
         self._next_edge = self.edges[-1].tick if self.edges else _NEVER
+        self._foretell()
         self._flow()
         self.track.append(self.truth())
 
@@ -147,12 +147,13 @@ class SimulatedVehicle:
                 continue
             if self._tick >= last:
                 return
-            stop = min(last, self._next_report, self._next_second, self._next_edge)
+            stop = self._next_stop if self._next_stop < last else last
             if due < inf:
                 stop = min(stop, max(int(due / TICK), self._tick + 1))
             self._run(stop - self._tick)
             self._tick = stop
-            self._at_tick(stop)
+            if stop == self._next_stop:
+                self._at_tick(stop)
 
     def _run(self, ticks: int) -> None:
         plant, control = self.plant, self.stm32.control
@@ -255,7 +256,8 @@ class SimulatedVehicle:
     # --- what the links foretell -----------------------------------------------------------
 
     def _foretell(self) -> None:
-        """When the next of each is through, with nothing in its way."""
+        """At which tick to stop next; when the next of each is through, with nothing in its way."""
+        self._next_stop = min(self._next_report, self._next_second, self._next_edge)
         self.report_through = self._next_report * TICK + REPORT_TIME
         self.epoch_through = self._next_second * TICK + COMPLETE
         self.second_through = self._next_second * TICK + ADDED_COMPLETE

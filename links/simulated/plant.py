@@ -143,9 +143,9 @@ class Plant:
         """North and east over ground, m/s."""
         if self.aground:
             return 0.0, 0.0
-        below = self.v * sin(self.roll) + self.w * cos(self.roll)
+        v, w, sr, cr = self.v, self.w, sin(self.roll), cos(self.roll)
+        below, across = v * sr + w * cr, v * cr - w * sr
         ahead = self.u * cos(self.pitch) + below * sin(self.pitch)
-        across = self.v * cos(self.roll) - self.w * sin(self.roll)
         sy, cy = sin(self.yaw), cos(self.yaw)
         return (
             ahead * cy - across * sy + self.current_north,
@@ -250,9 +250,9 @@ class Plant:
                 lift = net - waterplane * (draft - depth)
                 z = heave - radiation * w
             level = lift * cp_
-            un, vn = u, v
-            wn, pn, qn = w, p, q
             muu, mvv, mww = mu * u, mv * v, mw * w
+            munk_p, munk_q, munk_r = cp * v * w, cq * u * w, cr * u * v
+            gyro_q, gyro_r = gq * p * r, gr * p * q
             au = u if u > 0.0 else -u
             uu, fin_au = u * au, fin * au
             u += du * (surge + mvv * r - mww * q - u * xu - uu * xuu + lift * sp)
@@ -265,15 +265,15 @@ class Plant:
                 - w * (zw + zww * (w if w > 0.0 else -w)) - level * cr_
             )  # fmt: skip
             p += dp * (
-                roll_moment + cp * vn * wn + gp * q * r + rudder_roll * uu
+                roll_moment + munk_p + gp * q * r + rudder_roll * uu
                 - p * (kp + kpp * (p if p > 0.0 else -p)) - righting * cp_ * sr
             )  # fmt: skip
             q += dq * (
-                pitch_moment + cq * un * wn + gq * pn * r + rudder_pitch * uu
+                pitch_moment + munk_q + gyro_q + rudder_pitch * uu
                 - q * (mq + fin_au + mqq * (q if q > 0.0 else -q)) - righting * sp
             )  # fmt: skip
             r += dr * (
-                yaw_moment + cr * un * vn + gr * pn * qn
+                yaw_moment + munk_r + gyro_r
                 - r * (nr + fin_au + nrr * (r if r > 0.0 else -r))
             )  # fmt: skip
             across = v * cr_ - w * sr

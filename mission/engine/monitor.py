@@ -48,12 +48,13 @@ class LimitMonitor(Watch):
         self.look_for_depth()
         rows = self._looked[reported, fixed]
         found = []
+        counts = bool(self.samples or self._lasting)  # none: no row has anything to take back
         for is_breached, row in rows:
             breached = is_breached(self)
             if breached:
                 if self._lasts(row):
                     found.append(row)
-            elif breached is not None and (self.samples or self._lasting):
+            elif counts and breached is not None:
                 self._fade(row)
         if found or self.breaches:
             looked = [row for _, row in rows]

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import enum
 from abc import ABC, abstractmethod
-from math import degrees, inf, pi
+from math import degrees, floor, inf, pi
 from random import Random
 from struct import Struct
 
@@ -55,8 +55,9 @@ def level_pwm(left: float, right: float, up: float, servos: tuple[int, int]) -> 
     """us of gears: the two mains, the three verticals alike, and the rudders as they are."""
     full, (servo_left, servo_right) = _FULL, servos
     if -full <= left <= full and -full <= right <= full and -full <= up <= full:
-        port, starboard = int(_NEUTRAL + left * GEAR_PWM), int(_NEUTRAL + right * GEAR_PWM)
-        vertical = int(_NEUTRAL + up * GEAR_PWM)
+        neutral, gear = _NEUTRAL, GEAR_PWM
+        port, starboard = floor(neutral + left * gear), floor(neutral + right * gear)
+        vertical = floor(neutral + up * gear)
     else:
         port, starboard, vertical = pwm_of(left), pwm_of(right), pwm_of(up)
     return (port, starboard, vertical, vertical, vertical, servo_left, servo_right)
@@ -88,14 +89,12 @@ class Stm32(ABC):
         self.refuses = ""  # codes of @ZA that it answers N
         self.late = 0.0  # s from a command until it is obeyed
         self.splice = 0.0  # chance that an answer lands inside the @SD being sent
-        self._dead_man_at = inf
+        self._dead_man_at = self.due = inf  # due: asked for much more often than it changes
 
     # --- the vehicle's clockwork -----------------------------------------------------------
 
-    @property
-    def due(self) -> float:
-        burst = self.rx.due
-        return burst if burst < self._dead_man_at else self._dead_man_at
+    def _foresee(self) -> None:
+        self.due = min(self.rx.due, self._dead_man_at)
 
     @property
     def reporting(self) -> bool:
@@ -104,6 +103,7 @@ class Stm32(ABC):
 
     def receive(self, data: bytes, now: float) -> None:
         self.rx.feed(data, now + self.late)
+        self._foresee()
 
     def process(self, now: float) -> None:
         """Whatever ``due`` announced for ``now``."""
@@ -118,6 +118,7 @@ class Stm32(ABC):
             if not (self.hung or self.booting or self.deaf):
                 for frame in self.frames(burst):
                     self._execute(frame, now)
+        self._foresee()
 
     def control(self, plant: Plant) -> tuple[int, ...]:
         """The PWMs from now to the next call."""
@@ -217,6 +218,7 @@ class Stm32(ABC):
         """Stops everything first; rudders stay where they are."""
         self.mode = mode
         self._dead_man_at = inf
+        self._foresee()
         self.halt()
         self.drive(0.0, 0.0, 0.0, 0.0, 0.0)
 

@@ -103,7 +103,7 @@ class Frontseat:
     @property
     def idle(self) -> bool:
         """Nothing waits to be sent or answered."""
-        waits = self._urgent or self._relays or self._queue or self._outputs
+        waits = self._urgent or self._queue or self._relays.waiting or self._outputs.words
         return not (waits or self._outstanding)
 
     def command(self, action: Action) -> Outcome | None:
@@ -207,7 +207,7 @@ class Frontseat:
         if waiting is None:
             if self._urgent:
                 return self._free
-            if not (self._relays or self._queue or self._outputs):
+            if not (self._queue or self._relays.waiting or self._outputs.words):
                 return None
         due = [self._free] if self._relays else []
         if (said := self._outputs.next_timer()) is not None:

@@ -58,17 +58,17 @@ def word(data: bytes, reason: str, manual: bool) -> _Word:
 
 class Relays:
     def __init__(self) -> None:
-        self._waiting: list[_Word] = []
+        self.waiting: list[_Word] = []  # to be looked at
 
     def __len__(self) -> int:
-        return len(self._waiting)
+        return len(self.waiting)
 
     def clear(self) -> None:
-        self._waiting.clear()
+        self.waiting.clear()
 
     def add(self, data: bytes, reason: str, manual: bool) -> str:
         """Why it is refused, "" if it is taken."""
-        new, waiting = word(data, reason, manual), self._waiting
+        new, waiting = word(data, reason, manual), self.waiting
         if new.adds and sum(old.adds for old in waiting) >= INCREMENTS:
             return f"{INCREMENTS} increments wait for the line: set the angle (@DS, @MDS) instead"
         replaced = [] if new.adds else [old for old in waiting if new.replaces(old)]
@@ -78,12 +78,12 @@ class Relays:
             place = len(waiting)
         before = [old for old in waiting[:place] if old not in replaced]
         after = [old for old in waiting[place:] if old not in replaced]
-        self._waiting = [*before, new, *after]
+        self.waiting = [*before, new, *after]
         return ""
 
     def take(self) -> tuple[bytes, str]:
         """The next to leave, with its reason. IndexError if none waits."""
-        first = next((w for w in self._waiting if w.manual), self._waiting[0])
-        next_ = next(w for w in self._waiting if w.sets & first.sets)
-        self._waiting.remove(next_)
+        first = next((w for w in self.waiting if w.manual), self.waiting[0])
+        next_ = next(w for w in self.waiting if w.sets & first.sets)
+        self.waiting.remove(next_)
         return next_.data, next_.reason

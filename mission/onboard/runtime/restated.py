@@ -32,28 +32,25 @@ class _Word:
 
 class Restated:
     def __init__(self) -> None:
-        self._words: dict[str, _Word] = {}  # by what they set
-
-    def __len__(self) -> int:
-        return len(self._words)
+        self.words: dict[str, _Word] = {}  # by what they set; to be looked at
 
     def add(self, frames: Mapping[str, bytes], reason: str) -> None:
         """At once; ``frames`` by what they set."""
         for sets, data in frames.items():
-            self._words.pop(sets, None)  # behind the others
-            self._words[sets] = _Word(data, reason, 0.0)
+            self.words.pop(sets, None)  # behind the others
+            self.words[sets] = _Word(data, reason, 0.0)
 
     def take(self, now: float) -> tuple[bytes, str] | None:
         """The next that is due, with its reason."""
-        sets = next((s for s, word in self._words.items() if word.due <= now), None)
+        sets = next((s for s, word in self.words.items() if word.due <= now), None)
         if sets is None:
             return None
-        word = self._words[sets]
+        word = self.words[sets]
         again = f" ({word.said + 1} of {TIMES})" if word.said else ""
         word.said, word.due = word.said + 1, now + AGAIN_S
         if word.said == TIMES:
-            del self._words[sets]
+            del self.words[sets]
         return word.data, word.reason + again
 
     def next_timer(self) -> float | None:
-        return min((word.due for word in self._words.values()), default=None)
+        return min((word.due for word in self.words.values()), default=None)

@@ -82,9 +82,10 @@ class Rig(LockStep):
         if self._planned:
             dues.append((self._planned[0][0], self._do_planned))
         dues += self.operators()
+        program = self.program
         if self._held is None:
-            dues.append((self.program.next_timer(), self._handle_timer))
-        if self._lived and not self.program.lives:
+            dues.append((program.next_timer(), self._handle_timer))
+        if program.runtime is None and self._lived:
             dues.append((self.now, self._died))
         return dues
 
@@ -156,6 +157,8 @@ class Rig(LockStep):
 
     def send(self, sent: list[Tx]) -> None:
         """Answers are answered in turn, until nobody has anything to say."""
+        if not sent:
+            return  # as most often
         waiting = deque(sent)
         while waiting:
             tx = waiting.popleft()

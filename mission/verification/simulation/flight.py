@@ -74,7 +74,9 @@ class _Flight(Rig):
         self._seen: list[tuple[Home, list[Seen]]] = []  # at each of the log's estimates
         self._longest = LONGEST_S if mission.safety.time is None else 2.0 * mission.safety.time
         self._digest = digest(mission)
+        self._is_stopped = False  # the program's state, which no time changes without a step
         program.boot(0.0)
+        self._is_stopped = program.state == STOPPED
         self.send(program.navigate(0.0))
         self.join()
 
@@ -111,7 +113,7 @@ class _Flight(Rig):
         if started is None:
             return False
         done = self.log.ended is not None or self.now - started > self._longest
-        if not done and not (self.program.state == STOPPED and self._is_at_surface()):
+        if not done and not (self._is_stopped and self._is_at_surface()):
             return False
         return self.operator.next_timer() is None
 
@@ -128,6 +130,7 @@ class _Flight(Rig):
     def stepped(self, step: Step) -> None:
         super().stepped(step)
         self.log.step(step)
+        self._is_stopped = self.program.state == STOPPED
 
     def told(self, estimate: Estimate) -> None:
         super().told(estimate)
