@@ -42,6 +42,7 @@ class Lastly:
         self._place: tuple[float, float, float, float] | None = None  # t, degrees, 95 % radius
         self._fixes: list[tuple[float, float, float]] = []  # t, degrees
         self._thrusters: Mapping[str, float] | None = None
+        self._reported = 0.0  # s, when they were told
 
     def step(self, step: Step) -> None:
         if step.trigger == "start":
@@ -60,6 +61,7 @@ class Lastly:
             self._fixes = [*fixes, (message.t, said["latitude_deg"], said["longitude_deg"])]
         elif message.topic == TELEMETRY:
             self._thrusters = dict(list(said["actuators"].items())[:THRUSTERS])
+            self._reported = message.t
 
     def home(self, origin: Position | None) -> Position | None:
         """From where distances are counted; ``origin``: of this recording's estimate."""
@@ -100,6 +102,14 @@ class Lastly:
             first = "the home of the first recording" if self._before else "home"
             said += f", {math.hypot(north, east):.0f} m {_wind(north, east)} of {first}"
         yield f"{said}."
+        if self._fixes and self._fixes[-1][0] > t:
+            yield self._after(Position(latitude, longitude))
+
+    def _after(self, estimate: Position) -> str:
+        """A fix that no estimate holds yet."""
+        t, *fix = self._fixes[-1]
+        away = math.hypot(*_apart(estimate, *fix))
+        return f"A fix came after that, at {clock(t)}: {degrees(*fix)}, {away:.0f} m from there."
 
     def _drift(self, end: float) -> tuple[Drift, float] | None:
         """And over how long, s."""
@@ -119,6 +129,10 @@ class Lastly:
             yield "By its last report no thruster turns."
             return
         said = ", ".join(f"{name} {100 * share:.0f} %" for name, share in on.items())
+        if self._rests and not self._held and self._reported <= self._since:
+            before = f"By its last report, at {clock(self._reported)}, thrusters turned: {said}."
+            yield f"{before} It was stopped after that, and has told nothing of them since."
+            return
         yield f"By its last report thrusters still turn: {said}."
 
     def _to_do(self, deep_known: bool) -> Iterator[str]:

@@ -201,23 +201,30 @@ def _show_silence(to: str, as_json: bool) -> None:
     from mission.topside.overdue import silent_for
 
     boat, now = _remembered(), time.time()
-    late = missing(boat.missed(to, now), to, now)
-    found = standing(Condition(silent=silent_for(boat.of(to), now), overdue=late))
+    late, dive = missing(boat.missed(to, now), to, now), boat.of(to)
+    found = standing(Condition(silent=silent_for(dive, now), overdue=late))
     if as_json:
-        click.echo(json.dumps({"alarms": [asdict(alarm) for alarm in found]}))
-    else:
-        click.echo("\n".join(f"ALARM {alarm}" for alarm in found))
+        alarms = [asdict(alarm) for alarm in found]
+        click.echo(json.dumps({"alarms": alarms, "up_by": dive.due}))
+        return
+    click.echo("\n".join(f"ALARM {alarm}" for alarm in found))
+    _show_due(dive.due)
 
 
 def _show(looked: Looked, up_by: float | None, as_json: bool) -> None:
     """``up_by``: s since 1970 UTC, as the boat knows it."""
-    from mission.topside.overdue import moment
     from mission.topside.showing import as_lines, as_object
 
     if as_json:
         click.echo(json.dumps({**as_object(looked), "up_by": up_by}))
         return
     click.echo("\n".join(as_lines(looked)))
+    _show_due(up_by)
+
+
+def _show_due(up_by: float | None) -> None:
+    from mission.topside.overdue import moment
+
     if up_by is not None:
         click.echo(f"{'up by':12} {moment(up_by, time.time())}")
 

@@ -183,8 +183,8 @@ _ROWS = (
              "last", lambda c: c.receivers),
     AlarmRow("surface unproved", 14, DANGER, "a fix ends it; where you see it at the surface and "
              "hold it: `auvmission stop`, then `auvmission clear`", _unproved),
-    AlarmRow("no contact", None, WARNING, "it goes on by itself; ask again, nearer or by modem",
-             _silent),
+    AlarmRow("no contact", None, WARNING, "it goes on by itself; ask again, nearer, or by another "
+             "way", _silent),
     AlarmRow("OVERDUE", None, DANGER, "search, and call for help before the battery ends",
              lambda c: c.overdue),
 )  # fmt: skip

@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from mission.topside.upload import TRIES, WHAT_LISTENS, Ask, NoAnswer, Script, is_report
+from mission.topside.upload import TRIES, WHAT_LISTENS, WHO_HEARS, Ask, NoAnswer, Script, is_report
 from protocol.messages import (
     DataQuery,
     Fix,
@@ -100,7 +100,8 @@ def look(
     state, told_at = (told if isinstance(told, StateReport) else None), now()
     first = yield Ask("status", DataQuery(), _is_status)
     if not isinstance(first, Status):
-        raise NoAnswer(f"no answer to @DU after {TRIES} tries; {WHAT_LISTENS}")
+        cause = WHO_HEARS if under_water else WHAT_LISTENS
+        raise NoAnswer(f"no answer to @DU after {TRIES} tries; {cause}")
     report = yield Ask("store", StoreQuery(), is_report)
     store = report if isinstance(report, StoreReport) else None
     found = Looked(first, first, store, 0, state, now() - told_at)

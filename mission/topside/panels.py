@@ -37,7 +37,7 @@ def banner(
     """Alarms, worst first; ``mine`` are those of the boat. One line where nothing is wrong."""
     silence = watched.silence(now)
     if silence is None:
-        yield Line("nothing has been heard of the vehicle so far", CAREFUL)
+        yield Line("nothing has been heard of the vehicle since watch began", CAREFUL)
     elif silence > silent_s:
         yield Line(f"NOTHING NEW for {silence:.0f} s: all below is of that time", BAD)
     alarms = [*mine, *(Alarm(**plain) for plain in watched.state.get("alarms") or ())]

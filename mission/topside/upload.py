@@ -44,6 +44,7 @@ ROUNDS = 4  # in succession that brought nothing: then the line is called unusab
 WHAT_LISTENS = (
     "is this the operator's port of a vehicle running auvmission serve, not its monitor's?"
 )
+WHO_HEARS = "is the vehicle's modem in the water, within reach, and its serve's links.modem?"
 
 
 class OperatorError(Exception):

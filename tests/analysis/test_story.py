@@ -828,6 +828,23 @@ def test_where_it_is_at_the_end_how_it_drifts_and_what_is_to_be_done_is_told() -
     assert "clears it, twice" in " ".join(lastly.says(40.0, home, False))
 
 
+def test_a_report_and_an_estimate_from_before_the_end_are_told_as_such() -> None:
+    """It was stopped with its last report, and a fix came that no estimate has."""
+    home, lastly = Position(30.0, 120.0), Lastly(frozenset({"position"}))
+    lastly.receive(Message(TELEMETRY, 20.0, {"actuators": dict.fromkeys("abcde", 1.0)}))
+    lastly.receive(of_state(20.0, home, 20.0, 0.0))
+    assert "still turn" in " ".join(lastly.says(20.0, home, True)), "nobody stopped it"
+    lastly.step(moved(20.0, "idle/ready", "at the surface"))
+    lastly.receive(of_fix(21.0, *place(home, 120.0, 0.0)))
+    _, fix, turned, _ = lastly.says(21.3, home, True)
+    assert fix == "A fix came after that, at 0:21.0: 30.00108 N 120.00000 E, 100 m from there."
+    assert turned.endswith(
+        "e 100 %. It was stopped after that, and has told nothing of them since."
+    )
+    lastly.receive(Message(TELEMETRY, 22.0, {"actuators": dict.fromkeys("abcde", 1.0)}))
+    assert "thrusters still turn" in " ".join(lastly.says(23.0, home, True))
+
+
 def test_fixes_that_only_scatter_are_told_as_no_drift() -> None:
     home, lastly = Position(30.0, 120.0), Lastly(frozenset({"position"}))
     for t in range(30):

@@ -29,6 +29,7 @@ from mission.topside.overdue import (
     Dive,
     Plan,
     contact_with,
+    moment,
     overdue,
     plan_of,
     search_area,
@@ -328,6 +329,28 @@ def test_watch_and_console_say_so_by_every_way(way: str, tmp_path: Path) -> None
     (alarm,) = Contacts(SILENT[way], tmp_path).alarms(Watched(), 0.0, True)
     assert alarm.name == "OVERDUE"
     assert "search within" in alarm.words
+
+
+@pytest.mark.parametrize("way", SILENT)
+def test_a_silence_before_its_time_says_when_it_will_be_up(
+    way: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """By both ways, once one vehicle was heard by both."""
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path))
+    url, now = SILENT["the way it was started by"], time.time()
+    dives = Dives(default_folder())
+    dives.uploaded(DIGEST, PLAN)
+    dives.started(url, DIGEST, now - 60.0)
+    dives.contact(SILENT["a modem"], replace(UNDER_WAY, wall=now - 30.0))
+    asked = ["status", "--to", SILENT[way]]
+    people, data = (CliRunner().invoke(main, [*asked, *more]) for more in ([], ["--json"]))
+    due = dives.of(url).due
+    assert due is not None
+    clock, _, _ = moment(due, now).partition(", ")
+    assert f"{'up by':12} {clock}, in " in people.stdout
+    told = json.loads(data.stdout)
+    assert told["up_by"] == due
+    assert [alarm["name"] for alarm in told["alarms"]] == ["no contact"]
 
 
 def test_a_simulated_vehicle_is_never_missed(tmp_path: Path) -> None:

@@ -1,4 +1,5 @@
-"""One vehicle, four who look at it: by TLS, by modem, at the monitor, and on the Pi. All see the same.
+"""One vehicle, four who look at it: by TLS or TCP, by modem, at the monitor, and on the Pi. All see
+the same.
 
 Real serve, sockets, certificates and acoustic modems, in real time, for every vehicle.
 """
@@ -77,17 +78,16 @@ class Truth(NamedTuple):
 
 
 class Scene:
-    """``pi`` and the ways to it."""
+    """``pi`` and the ways to it; ``scheme``: of its ports, tls or tcp."""
 
-    def __init__(self, pi: Running, folder: Path, modem: str) -> None:
+    def __init__(self, pi: Running, folder: Path, modem: str, scheme: str) -> None:
         assert pi.server is not None
         self.folder, self.watched, self.over = folder, Watched(), threading.Event()
-        keys = folder / "keys"
-        self.boat = f"tls://127.0.0.1:{_port(pi.url)}?keys={keys / 'boat'}"
+        self.boat = _end(scheme, _port(pi.url), folder, "boat")
         self.modem = f"modem+serial://{modem}?range=50&rate=9600"
         viewing: Any = pi.server.viewing
         soon(lambda: viewing.port.link is not None, "the monitor's port")
-        self._viewer = f"tls://127.0.0.1:{viewing.port.link.port}?keys={keys / 'guest'}"
+        self._viewer = _end(scheme, viewing.port.link.port, folder, "guest")
         self._thread = threading.Thread(target=self._watch)
         self._thread.start()
 
@@ -133,7 +133,7 @@ class Scene:
         soon(lambda: re.fullmatch(state, self.local().state) is not None, f"the Pi is in {state}")
         for who, ask in (
             ("the monitor", self.viewed),
-            ("the boat by TLS", lambda: self.asked(self.boat)),
+            ("the boat by network", lambda: self.asked(self.boat)),
             ("the boat by modem", lambda: self.asked(self.modem)),
             ("watch --frames by modem", lambda: self.framed(self.modem)),
         ):
@@ -166,6 +166,12 @@ def _truth(told: Any, alarms: Any) -> Truth:
     return Truth(state, told["leg"] or "", told["setpoint"] or "", names)
 
 
+def _end(scheme: str, port: int, folder: Path, role: str) -> str:
+    """``role``: whose keys, where there are any."""
+    keys = f"?keys={folder / 'keys' / role}" if scheme.startswith("tls") else ""
+    return f"{scheme}://127.0.0.1:{port}{keys}"
+
+
 def _port(url: str) -> int:
     found = re.search(r":(\d+)", url)
     assert found is not None, url
@@ -185,10 +191,10 @@ def threaded(run: Callable[[Callable[[], bool]], object]) -> Iterator[threading.
 
 
 @contextmanager
-def at_sea(folder: Path, name: str) -> Iterator[tuple[Scene, threading.Event]]:
+def at_sea(folder: Path, name: str, scheme: str) -> Iterator[tuple[Scene, threading.Event]]:
     """The scene, and what ends the board."""
     make_keys(folder / "keys", ("boat",), lambda path: None, ("guest",))
-    listen = f"tls-listen://127.0.0.1:0?keys={folder / 'keys' / 'vehicle'}"
+    listen = _end(f"{scheme}-listen", 0, folder, "vehicle")
     with ExitStack() as held:
         channel = held.enter_context(Channel(Water(50.0, 9600.0)))
         held.enter_context(threaded(channel.run))
@@ -203,18 +209,19 @@ def at_sea(folder: Path, name: str) -> Iterator[tuple[Scene, threading.Event]]:
                 modem=f"serial://{near}", kind=name,
             )
         )  # fmt: skip
-        scene = Scene(pi, folder, far)
+        scene = Scene(pi, folder, far, scheme)
         held.callback(scene.close)
         yield scene, over
 
 
 @pytest.mark.proof
 @pytest.mark.parametrize("name", MISSIONS)
+@pytest.mark.parametrize("scheme", ["tls", pytest.param("tcp", marks=pytest.mark.minutes)])
 def test_boat_modem_and_viewer_see_what_the_pi_sees_in_every_state(
-    name: str, tmp_path: Path
+    scheme: str, name: str, tmp_path: Path
 ) -> None:
     mission = parse(MISSIONS[name])
-    with at_sea(tmp_path, name) as (scene, board):
+    with at_sea(tmp_path, name, scheme) as (scene, board):
         scene.all_agree("idle/empty")
         lines = script(mission)
         converse(scene.boat, upload(lines, digest(mission), lambda have, total: None))

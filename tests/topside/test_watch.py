@@ -103,7 +103,8 @@ def test_silence_is_told_first_and_alarms_by_their_danger() -> None:
     assert [line.text[:12] for line in lines] == ["NOTHING NEW ", "ALARM OVERDU", "ALARM no fix"]
     assert [line.style for line in lines] == [BAD, BAD, CAREFUL]
     assert texts(panels.banner(watched(), 0.0)) == "no alarm"
-    assert texts(panels.banner(Watched(), 0.0)) == "nothing has been heard of the vehicle so far"
+    nothing = "nothing has been heard of the vehicle since watch began"
+    assert texts(panels.banner(Watched(), 0.0)) == nothing
 
 
 def test_a_vehicle_under_water_is_silent_after_two_looks_that_failed_and_not_between_them() -> None:

@@ -78,11 +78,16 @@ export function kindOf(station) {
 function missionText(station, now) {
   const { vehicle } = station;
   const digest = vehicle.state['mission'];
-  if (!digest) return word('no_mission');
+  if (!digest) return withoutMission(vehicle);
   const begun = age(vehicle, 'mission_began', now);
   const name = vehicle.plan?.digest === digest ? vehicle.plan?.name ?? '' : '';
   const parts = [name, digest.slice(0, 8), begun === null ? word('not_started') : clock(begun)];
   return parts.filter(Boolean).join(' · ');
+}
+
+/** Where no mission is told. @param {import('./state.js').Vehicle} vehicle */
+export function withoutMission(vehicle) {
+  return word(vehicle.state['mission'] === undefined ? 'unknown' : 'no_mission');
 }
 
 /** @param {Station} station */

@@ -3,7 +3,7 @@
  * Everything that is told to the vehicle beside X and W, and what became of each word.
  */
 
-import { commander } from './bar.js';
+import { commander, withoutMission } from './bar.js';
 import { Confirm } from './confirm.js';
 import { el, mark, say } from './dom.js';
 import { ago, number } from './format.js';
@@ -115,7 +115,7 @@ export class Command {
     /** @type {Array<[string, string]>} */
     const rows = [
       [word('commander'), commander(this._page().chosen)],
-      [word('on_board'), board ? `${name} ${board.slice(0, 8)}`.trim() : word('no_mission')],
+      [word('on_board'), board ? `${name} ${board.slice(0, 8)}`.trim() : withoutMission(vehicle)],
     ];
     const planned = this._mission.digest;
     if (planned) {

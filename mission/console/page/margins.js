@@ -26,6 +26,12 @@ export function level(left, limit, whole) {
   return { share, level: share <= LOWER ? 'bad' : share <= LOW ? 'careful' : 'good' };
 }
 
+/** Why nothing is told of a margin. @param {string} name @param {Record<string, any>} state */
+export function unknown(name, state) {
+  const isIdle = state['state'] !== undefined && !state['mission_began'];
+  return word(name === 'to_time' && isIdle ? 'not_started' : 'unknown');
+}
+
 export class Margins {
   /** @param {HTMLElement} root */
   constructor(root) {
@@ -54,8 +60,7 @@ export class Margins {
     shown.fill.style.width = `${(share * 100).toFixed(1)}%`;
     say(shown.name, word(name));
     const far = left === null ? '' : `${number(Math.abs(left), digits)} ${unit}`;
-    const none = name === 'to_time' && !vehicle.state['mission_began'] ? 'not_started' : 'unknown';
-    say(shown.left, left === null ? word(none) : left < 0 ? word('beyond', far) : far);
+    say(shown.left, left === null ? unknown(name, vehicle.state) : left < 0 ? word('beyond', far) : far);
     const seconds = name === 'to_time' ? null : runsOut(vehicle.strips[name] ?? []);
     const isFloor = name === 'to_voltage'; // the limit lies below the value
     const soon = seconds !== null && seconds < SOON_S;

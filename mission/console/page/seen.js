@@ -7,6 +7,7 @@
  * without any it is not known to be well, and doctor there says more.
  */
 
+import { withoutMission } from './bar.js';
 import { ago, lasting } from './format.js';
 import { age, freshness, isHung, silence } from './state.js';
 import { named, word } from './words.js';
@@ -111,8 +112,9 @@ function alarms(vehicle) {
 function mission(vehicle) {
   const name = word('mission');
   const digest = vehicle.state['mission'];
-  if (digest === undefined) return { name, level: 'unknown', says: word('unknown') };
-  if (!digest) return { name, level: 'careful', says: word('no_mission') };
+  if (!digest) {
+    return { name, level: digest === undefined ? 'unknown' : 'careful', says: withoutMission(vehicle) };
+  }
   const says = `${vehicle.plan?.name ?? ''} ${digest.slice(0, 8)}`.trim();
   return { name, level: vehicle.plan ? 'good' : 'careful', says };
 }

@@ -37,7 +37,7 @@ export const WORDS = {
   silent: ['NOTHING NEW of the vehicle for {0}: all below is of that time',
     '航行器已 {0} 没有新数据：以下均为当时的数据'],
   cut: ['NO CONNECTION FOR COMMANDS: X and W do not reach the vehicle', '指令链路未接通：X 和 W 无法送达航行器'],
-  unheard: ['Nothing has been heard of the vehicle so far', '尚未收到航行器的任何数据'],
+  unheard: ['Nothing has been heard of the vehicle since the console began', '控制台启动以来尚未收到航行器的任何数据'],
   refused_page: ['This page is not admitted: open the address that the console printed',
     '此页面未获准：请打开控制台给出的地址'],
   read_only: ['No commands: this is a recording', '不可下令：这是回放'],
@@ -53,7 +53,7 @@ export const WORDS = {
   ago: ['{0} ago', '{0}前'],
   unknown: ['not known', '未知'],
   old: ['OLD', '过时'],
-  never: ['never', '从未'],
+  never: ['not yet', '尚未'],
 
   // values
   depth: ['Depth', '深度'],

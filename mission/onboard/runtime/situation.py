@@ -207,19 +207,21 @@ class Situation:
         return estimate.north - north, estimate.east - east
 
     def margins(self, now: float) -> dict[str, float | None]:
-        """Left to the limits in force: m, m, min, V."""
-        readings, bounds = self._engine.readings, self._engine.bounds
-        elapsed = self._engine.mission_time
-        depth, volts = (
-            readings[name].value if readings[name].valid else None for name in ("depth", "battery")
-        )
-        far = self.range(now)
+        """Left to the limits in force: m, m, min, V; None where what it is told of is too old."""
+        bounds, elapsed = self._engine.bounds, self._engine.mission_time
+        depth, volts, far = self._read("depth", now), self._read("battery", now), self.range(now)
         return {
             "depth": None if depth is None else bounds.depth - depth,
             "radius": None if far is None else bounds.radius - far,
             "time": None if elapsed is None else (bounds.time - elapsed) / 60.0,
             "voltage": None if volts is None else volts - bounds.voltage,
         }
+
+    def _read(self, name: str, now: float) -> float | None:
+        """A reading is of the engine's last step, and grows old though none comes."""
+        reading = self._engine.readings[name]
+        age = reading.age + max(0.0, now - self._engine.core.now)
+        return reading.value if reading.valid and age <= self._vehicle.stale_after else None
 
     def _without_fix(self, now: float) -> float | None:
         if not self._gps or self.telemetry is None:

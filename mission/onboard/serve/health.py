@@ -111,11 +111,7 @@ def of_drive(runtime: Runtime, vehicle: Vehicle, now: float) -> dict[str, Any]:
     far, sure = runtime.situation.range(now), runtime.situation.uncertainty(now)
     for name, value in (("range", far), ("uncertainty", sure)):  # of now, though no step came
         sensors[name] = replace(sensors[name], value=value)
-
-    def known(name: str) -> float | None:
-        return None if sensors[name].why else _finite(readings[name].value)
-
-    elapsed, volts = engine.mission_time, known("battery")
+    left, elapsed = runtime.situation.margins(now), engine.mission_time
     return {
         "version": __version__,
         "pid": os.getpid(),
@@ -129,12 +125,10 @@ def of_drive(runtime: Runtime, vehicle: Vehicle, now: float) -> dict[str, Any]:
         "breached": tuple(row.name for row in engine.breaches),
         "disarmed": {row.name: why for row in LIMITS.values() if (why := row.disarmed(vehicle))},
         "margins": {
-            "depth": _margin(bounds.depth, known("depth"), "m"),
-            "radius": _margin(bounds.radius, None if sensors["range"].why else far, "m"),
-            "time": _margin(bounds.time, elapsed, "s"),
-            "voltage": Margin(
-                bounds.voltage, volts, None if volts is None else volts - bounds.voltage, "V"
-            ),
+            "depth": _below(bounds.depth, left["depth"], "m"),
+            "radius": _below(bounds.radius, left["radius"], "m"),
+            "time": _below(bounds.time, None if elapsed is None else bounds.time - elapsed, "s"),
+            "voltage": _above(bounds.voltage, left["voltage"], "V"),
         },
         "sensors": sensors,
     }
@@ -166,8 +160,12 @@ def of_box(box: BlackBox | None) -> dict[str, Any]:
     }
 
 
-def _margin(bound: float, now: float | None, unit: str) -> Margin:
-    return Margin(bound, now, None if now is None else bound - now, unit)
+def _below(bound: float, left: float | None, unit: str) -> Margin:
+    return Margin(bound, None if left is None else bound - left, left, unit)
+
+
+def _above(bound: float, left: float | None, unit: str) -> Margin:
+    return Margin(bound, None if left is None else bound + left, left, unit)
 
 
 def _sensor(name: str, reading: Reading, late: float, vehicle: Vehicle) -> Sensor:

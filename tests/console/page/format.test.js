@@ -7,7 +7,7 @@ test('an age has the digits that matter', () => {
   assert.deepEqual([0, 0.44, 9.94, 9.96, 119.4, 120, 7100, 7200].map(lasting),
     ['0.0 s', '0.4 s', '9.9 s', '10 s', '119 s', '2 min', '118 min', '2.0 h']);
   assert.equal(lasting(-3), '0.0 s');
-  assert.equal(ago(null), 'never');
+  assert.equal(ago(null), 'not yet');
 });
 
 test('what is not known is a dash, never a zero', () => {

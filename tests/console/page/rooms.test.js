@@ -1,12 +1,13 @@
 import assert from 'node:assert/strict';
 import test from 'node:test';
 
+import { withoutMission } from '../../../mission/console/page/bar.js';
 import { here, standingOfAll } from '../../../mission/console/page/alarms.js';
 import { findings } from '../../../mission/console/page/seen.js';
 import { broken } from '../../../mission/console/page/layers.js';
 import { Frame } from '../../../mission/console/page/geo.js';
 import { byDay, levelOf } from '../../../mission/console/page/journal.js';
-import { level } from '../../../mission/console/page/margins.js';
+import { level, unknown } from '../../../mission/console/page/margins.js';
 import { Goal, eventNear } from '../../../mission/console/page/review.js';
 import { frameOf, routesOf, sceneOf, stillOf } from '../../../mission/console/page/scene.js';
 import { Vehicle, update } from '../../../mission/console/page/state.js';
@@ -20,6 +21,13 @@ test('a margin is careful within a quarter of its limit, bad within a tenth, and
   assert.equal(level(null, 30, 1).level, 'unknown');
   assert.equal(level(2, null, 1).level, 'good');
   assert.equal(level(0, null, 1).level, 'bad');
+});
+
+test('of a vehicle that was never heard neither its mission nor that it has none is known', () => {
+  const vehicle = new Vehicle();
+  assert.deepEqual([withoutMission(vehicle), unknown('to_time', vehicle.state)], ['not known', 'not known']);
+  Object.assign(vehicle.state, { state: 'idle/empty', mission: '' });
+  assert.deepEqual([withoutMission(vehicle), unknown('to_time', vehicle.state)], ['no mission', 'not under way']);
 });
 
 test('a guard has come as far as its value from the leg\'s begin to the bound', () => {
