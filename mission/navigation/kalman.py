@@ -31,7 +31,7 @@ def _is_scalar(value: Any) -> bool:
     return not isinstance(value, np.ndarray) and bool(np.isscalar(value))
 
 
-# What filterpy asks for by these names is of arrays alone, and the same to the bit: 1.5 % of a flight.
+# What filterpy asks for by these names is of arrays alone, to the bit the same: 1.5 % of a flight.
 _PLAINER = {"deepcopy": copy, "dot": np.ndarray.dot, "isscalar": _is_scalar}
 
 
