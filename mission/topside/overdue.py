@@ -141,8 +141,10 @@ def contact_with(state: Mapping[str, Any], wall: float, began: float | None = No
 
 def heard(dive: Dive, contact: Contact) -> Dive:
     """The dive after this contact: over where the vehicle is up, or flies another mission. What was
-    told before the start says nothing of what came of it."""
-    if dive.started is not None and contact.wall < dive.started:
+    told before the start says nothing of what came of it, nor what was told before the last one, by
+    whatever way."""
+    known = -math.inf if dive.contact is None else dive.contact.wall
+    if dive.started is not None and contact.wall < max(dive.started, known):
         return dive
     is_another = bool(contact.mission and dive.mission) and contact.mission != dive.mission
     if contact.is_over or is_another:

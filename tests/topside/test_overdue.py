@@ -177,6 +177,18 @@ def test_who_answers_under_way_with_the_mission_is_the_same_vehicle_by_all_ways(
     assert (dives.of(URL).due, dives.of(MODEM).due) == (None, None)
 
 
+def test_what_was_heard_before_by_another_way_is_not_kept_in_place_of_the_last(
+    tmp_path: Path,
+) -> None:
+    """Two that look by two ways keep what each heard last, again and again."""
+    dives = started(tmp_path, URL)
+    last = replace(UNDER_WAY, wall=1300.0, current=(0.1, 0.0))
+    for _ in range(2):
+        dives.contact(URL, last)
+        dives.contact(MODEM, replace(UNDER_WAY, wall=1290.0))
+        assert dives.of(MODEM).contact == dives.of(URL).contact == last
+
+
 def test_a_vehicle_on_deck_with_the_same_mission_ends_no_dive_of_another(tmp_path: Path) -> None:
     dives = started(tmp_path, URL)
     dives.contact("tcp://other:4000", DECK)

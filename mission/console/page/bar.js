@@ -81,8 +81,15 @@ function missionText(station, now) {
   if (!digest) return withoutMission(vehicle);
   const begun = age(vehicle, 'mission_began', now);
   const name = vehicle.plan?.digest === digest ? vehicle.plan?.name ?? '' : '';
-  const parts = [name, digest.slice(0, 8), begun === null ? word('not_started') : clock(begun)];
+  const parts = [name, digest.slice(0, 8), begun === null ? resting(vehicle) : clock(begun)];
   return parts.filter(Boolean).join(' · ');
+}
+
+/** Where nothing tells when it began; the vehicle's frames never do.
+ * @param {import('./state.js').Vehicle} vehicle */
+export function resting(vehicle) {
+  const isIdle = String(vehicle.state['state'] ?? '').startsWith('idle');
+  return isIdle || vehicle.setup.source !== 'frames' ? word('not_started') : '';
 }
 
 /** Where no mission is told. @param {import('./state.js').Vehicle} vehicle */

@@ -1,7 +1,7 @@
 import assert from 'node:assert/strict';
 import test from 'node:test';
 
-import { withoutMission } from '../../../mission/console/page/bar.js';
+import { resting, withoutMission } from '../../../mission/console/page/bar.js';
 import { here, standingOfAll } from '../../../mission/console/page/alarms.js';
 import { findings } from '../../../mission/console/page/seen.js';
 import { broken } from '../../../mission/console/page/layers.js';
@@ -28,6 +28,14 @@ test('of a vehicle that was never heard neither its mission nor that it has none
   assert.deepEqual([withoutMission(vehicle), unknown('to_time', vehicle.state)], ['not known', 'not known']);
   Object.assign(vehicle.state, { state: 'idle/empty', mission: '' });
   assert.deepEqual([withoutMission(vehicle), unknown('to_time', vehicle.state)], ['no mission', 'not under way']);
+});
+
+test('of a vehicle under way whose frames tell no begin it is not said that it is not', () => {
+  const vehicle = new Vehicle({ id: '1', name: 'auv', to: 'x', source: 'frames', speed: 1, silent_s: 5 });
+  vehicle.state['state'] = 'autonomous';
+  assert.equal(resting(vehicle), '');
+  vehicle.state['state'] = 'idle/ready';
+  assert.equal(resting(vehicle), 'not under way');
 });
 
 test('a guard has come as far as its value from the leg\'s begin to the bound', () => {
