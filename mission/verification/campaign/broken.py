@@ -133,6 +133,12 @@ _RULES: Mapping[str, Broken] = {
         nothing(Ascent, "_pushes_on", False),
         alike=same,
     ),
+    "goes under": Broken(
+        "R7, at rest: no depth, and the fixes end",
+        always(Core, "_goes_under", ""),
+        "what sinks at rest without a depth is excused; test_engine_ascent tries it",
+        same,
+    ),
     "safe outputs": Broken(
         "R18: an emergency makes outputs safe",
         nothing(OutputKeeper, "_make_safe"),

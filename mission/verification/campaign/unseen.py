@@ -20,6 +20,7 @@ _OF_BOARDS: _Reasons = {
     "the check refuses what would be held; test_outer_loop tries it": ("unconfirmed loop",),
 }
 _IN_WATER: _Reasons = {
+    "what sinks at rest without a depth is excused; test_engine_ascent tries it": ("goes under",),
     "the depth in force acts before it, at rest whatever sinks is brought up": (
         "limit hard depth",
     ),
@@ -60,7 +61,14 @@ _ON_LAND: _Reasons = {
         *("moving depth", "fixes against movement", "fixes too early"),
         *("surface behind a silence", "surface by one report", "unchanged depth"),
         *("surface behind a restart", "sank unseen", "pushed down again", "pushed in the dark"),
-        *("blind thrust", "sinks at rest", "stays down", "held up", "rest with AUTO closed"),
+        *(
+            "blind thrust",
+            "goes under",
+            "sinks at rest",
+            "stays down",
+            "held up",
+            "rest with AUTO closed",
+        ),
         *("way U12", "way X0", "way D12", "ways in turn", "upside down", "cleared below"),
         *("started below", "healthy depth", "healthy heading", "healthy attitude"),
         *("healthy altitude", "above the bottom", "blind leg"),
