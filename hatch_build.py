@@ -232,7 +232,7 @@ class CustomBuildHook(BuildHookInterface):  # type: ignore[misc, valid-type]
 
 
 def copy(root: Path, tree: Path, names: tuple[str, ...]) -> None:
-    """Anew, but with the times of the sources: what is unchanged is not compiled again."""
+    """The sources as they are, in the place of what was there."""
     for name in names:
         shutil.rmtree(tree / name, ignore_errors=True)
         source = root / name
