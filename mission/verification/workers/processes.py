@@ -210,10 +210,18 @@ def _end_with_parent() -> None:
 @contextmanager
 def _interrupts_held() -> Iterator[None]:
     """In this thread, and in what it begins meanwhile. The tracker of shared resources begins
-    before: multiprocessing lets interrupts through again when it has begun one."""
+    before: multiprocessing lets interrupts through again when it has begun one. A library's thread
+    (BLAS) may take one all the same, which Python raises in the main thread: it is kept."""
     resource_tracker.ensure_running()
+    held: list[int] = []
+    is_main = threading.current_thread() is threading.main_thread()
+    handler = signal.signal(signal.SIGINT, lambda *_: held.append(1)) if is_main else None
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield
     finally:
+        if is_main:
+            signal.signal(signal.SIGINT, signal.SIG_DFL if handler is None else handler)
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
+        if held:
+            signal.raise_signal(signal.SIGINT)
