@@ -12,10 +12,11 @@ the next. Where no depth tells, it has one more each time it comes round, up to 
 sinks in the turns of the others.
 An unknown depth counts as not falling. Where the attitude is doubtful too, any push may lead down:
 each time the vehicle is let go that lasts twice as long, up to 160 s, and then 10 s again, since
-what is heavy needs the pushes. It never gives up. Where it begins depends on what is known: with X0
-and U12 where the depth is not believed or the vehicle sinks from rest (as built, W first goes on
-diving), by letting go where the vehicle is upside down. Whether the surface is reached is seen by
-the vehicle's state.
+what is heavy needs the pushes. A depth that was known in the turn of full thrust and is not at its
+end does not cut that short: it may follow late. It never gives up. Where it begins depends on what
+is known: with X0 and U12 where the depth is not believed or the vehicle sinks from rest (as built,
+W first goes on diving), by letting go where the vehicle is upside down. Whether the surface is
+reached is seen by the vehicle's state.
 
 What does not live here: which ways a vehicle has (protocol.vehicles), the surface (vehicle_state).
 """
@@ -152,7 +153,7 @@ class Ascent:
 
     def _pushes_on(self, overturned: bool) -> bool:
         """Nothing tells whether full thrust lifts it, and it has not had its turns."""
-        sure = not overturned and not self._dark
+        sure = not overturned and not (self._dark and self._start_depth is None)
         return sure and self.way == self._push and self._turn < self._pushes * TURN
 
     def _lengthen(self) -> None:

@@ -252,6 +252,19 @@ def test_where_no_depth_tells_full_thrust_lasts_longer_each_time_it_comes_round(
     assert {span for way, span in spans if way != UPWARD} == {10}
 
 
+def test_full_thrust_whose_depth_is_doubted_on_the_way_has_its_turns_whatever_the_attitude_says():
+    """As flight 9907 of seed 1414: heavy, its depth late and doubted behind 14 s of each push, and
+    its attitude garbage; let go as soon as the depth was doubted it never came up."""
+    ascent, said = begun(20.0), [(0, Order.SURFACE)]
+    for t in range(1, 500):
+        known = said[-1][1] != UPWARD or t - said[-1][0] <= 14
+        acts = ascent.act(float(t), 20.0 if known else None, False, True)
+        said += [(t, a.command) for a in acts]
+    spans = [(way, b - a) for (a, way), (b, _) in pairwise(said)]
+    assert [span for way, span in spans if way == UPWARD][:5] == [10, 20, 30, 40, 40]
+    assert {span for way, span in spans if way != UPWARD} == {10}
+
+
 def test_a_depth_that_is_known_again_judges_the_long_turn_of_full_thrust():
     for rate, kept in ((-0.25, True), (0.25, False)):
         ascent, ticks = begun(None), iter(range(10, 300, 10))
