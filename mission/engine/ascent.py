@@ -63,6 +63,7 @@ class Ascent:
             "_overturned_at",
             "_push",
             "_pushes",
+            "_shallowest",
             "_since",
             "_start_depth",
             "_ways",
@@ -198,23 +199,24 @@ class Ascent:
         self._since = self._looked = now
         self._turn = TURN if turn is None else turn
         self._longest = self._turn + WORD
-        self._start_depth = self._deepest = depth
+        self._start_depth = self._deepest = self._shallowest = depth
 
     def _fallen(self, now: float, depth: float | None) -> float | None:
         """m from the deepest of the turn's depths, ``LOOK`` apart, from the first known one on."""
         if self._start_depth is None:
-            self._start_depth = self._deepest = depth
+            self._start_depth = self._deepest = self._shallowest = depth
             return None
-        if depth is None or self._deepest is None:
+        if depth is None or self._deepest is None or self._shallowest is None:
             return None
         if now >= self._looked + LOOK:
             self._looked, self._deepest = now, max(self._deepest, depth)
+            self._shallowest = min(self._shallowest, depth)
         return self._deepest - depth
 
     def _has_led_deeper(self, depth: float | None) -> bool:
-        """The turn so far, by a metre."""
-        start = self._start_depth
-        return depth is not None and start is not None and depth - start > DEEPER
+        """The turn so far, by a metre from its shallowest: what was rising may go on at first."""
+        least = self._shallowest
+        return depth is not None and least is not None and depth - least > DEEPER
 
     def _may_push_down(self, now: float) -> bool:
         """Behind the last of the ways."""

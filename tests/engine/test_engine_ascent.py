@@ -193,6 +193,18 @@ def test_upside_down_a_push_that_has_led_a_metre_deeper_is_not_tried_again():
     assert ascent.way is not Order.STOP
 
 
+def test_upside_down_a_push_that_stops_a_rise_and_leads_a_metre_deeper_is_not_tried_again():
+    """As flight 1509 of seed 1515: W began while D12's push still lifted it."""
+    ascent = begun(20.0, overturned=True)
+    assert ascent.act(10.0, 20.0, True)[0].command == DOWNWARD
+    assert ascent.act(15.0, 20.0, True)[0].command is Order.SURFACE
+    for t, depth in ((17.0, 19.2), (19.0, 19.0), (21.0, 19.5), (23.0, 20.1)):
+        assert not ascent.act(t, depth, True)
+    said = [a.command for t in range(25, 200) for a in ascent.act(float(t), 20.7, True)]
+    assert Order.SURFACE not in said
+    assert UPWARD in said
+
+
 def test_three_hundredths_of_a_metre_a_second_is_rising_and_less_is_not():
     """At the instant when a way is judged; the numbers are exact in binary."""
     for fallen, kept in ((0.3125, True), (0.28125, False)):
