@@ -314,8 +314,11 @@ class VehicleState:
     @property
     def seen_rising(self) -> tuple[float, float | None, bool, bool]:
         """What an ascent goes by: the time, the depth for its change, whether it is upside down,
-        and whether that is doubtful."""
-        return self.now, self.moving_depth, self.overturned, self.attitude.doubtful
+        and whether that is doubtful: also where it was upside down when it fell silent."""
+        told = self.telemetry
+        silent = told is None or self.now - told.t > self._stale_after
+        over, doubtful = self.overturned, self.attitude.doubtful
+        return self.now, self.moving_depth, over and not silent, doubtful or (over and silent)
 
     @property
     def submerged(self) -> bool:

@@ -93,6 +93,18 @@ def test_a_depth_whose_zero_is_contradicted_still_tells_whether_it_moves():
 # --- before navigation is there ----------------------------------------------------------------
 
 
+def test_a_vehicle_that_fell_silent_upside_down_may_lie_either_way():
+    """As flight 1427 of seed 1616: righted meanwhile, and heavy, it was let go for ever."""
+    vehicle_state = VehicleState()
+    for i in range(3):
+        told(vehicle_state, 1.0 + 2.0 * i, roll=3.0 + 0.01 * i, pitch=0.0)
+    for now, over, doubtful in ((11.0, True, False), (11.1, False, True)):
+        vehicle_state.at(now)
+        assert vehicle_state.seen_rising[2:] == (over, doubtful)
+    told(vehicle_state, 12.0, roll=0.1, pitch=0.0)
+    assert vehicle_state.seen_rising[2:] == (False, False)
+
+
 def test_without_navigation_a_finite_depth_is_believed_for_six_seconds():
     vehicle_state = VehicleState()
     assert (vehicle_state.depth, vehicle_state.health("depth").reason) == (None, "missing")

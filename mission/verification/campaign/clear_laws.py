@@ -28,7 +28,7 @@ _ERROR = 1.0  # m: bias and noise of both sensors
 _KNOWN = 24.0  # s until silence is known (6), echoes are missed (6), it is frozen (12)
 _SENSORS = ("altitude_", "depth_")
 _GONE = ("altitude_silent", "altitude_frozen")
-_WORD, _POWER = b"@ZAS", b"@RS"
+_WORD = b"@ZAS"
 
 
 def clear_laws(story: Story) -> Iterator[Violation]:
@@ -73,5 +73,4 @@ def _gone(story: Story, t: float) -> bool:
     if len(faults) != 1 or faults[0].name not in _GONE:
         return False
     begin = faults[0].begin
-    switched = any(w.data.startswith(_POWER) for w in story.words_in(begin, t))
-    return not switched and begin + _KNOWN < t < fault_ends(faults[0])
+    return not story.is_switched(begin, t) and begin + _KNOWN < t < fault_ends(faults[0])

@@ -175,7 +175,7 @@ def _radius(story: Story, t: float) -> float:
 
 
 def _course_apart(story: Story, stay: Stay) -> Iterator[Violation]:
-    """At the surface, under way, with fixes."""
+    """At the surface, under way, with fixes: by a receiver that no operator has switched off."""
     since: float | None = None
     speeds = story.vehicle.speed_by_gear
     sets = [
@@ -183,6 +183,8 @@ def _course_apart(story: Story, stay: Stay) -> Iterator[Violation]:
     ]
     for told in story.told_in(stay.begin, stay.end):
         place = story.trial.track[min(int(told.t), len(story.trial.track) - 1)]
+        if story.is_switched(0.0, told.t):
+            return
         moves = place.ground_speed > _UNDER_WAY and place.depth < 0.25
         set_out = any(b + 6.0 < told.t < e for b, e, _ in sets)
         known = told.estimate.heading is not None

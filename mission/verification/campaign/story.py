@@ -46,6 +46,7 @@ SAME = 1e-3  # s
 TRACES = 30.0  # s for which a fault that is over may still be felt
 _LOOKS_WELL = ("stuck", "drifting", "late", "too_")
 _LEAP = 3.0  # m: 2 m/s from one report to the next (R5), and noise
+_POWER = b"@RS"
 _AFLOAT, _SHOWN = 0.5, 25.0  # m and s: the first fix, 10 s of them, and the window before
 _KNOWN = 6.0  # s until a node that is open again is known to be
 AGAIN = 1.5  # s from the end of a hindrance until all is as before
@@ -206,6 +207,10 @@ class Story:
 
     def faulty(self, names: Iterable[str], begin: float, end: float) -> bool:
         return bool(self.faults(names, begin, end))
+
+    def is_switched(self, begin: float, end: float) -> bool:
+        """An operator has switched the power of sensors in this time (@RS)."""
+        return any(word.data.startswith(_POWER) for word in self.words_in(begin, end))
 
     def has_leapt(self, t: float) -> bool:
         """A depth sensor that was wrong and looked well, or has come back elsewhere, is believed
