@@ -36,6 +36,7 @@ _DEEPER = 0.5 + _ERROR  # m deeper than it has been
 _ROSE = 1.1  # m more, where it rose before: 6 s of smoothing
 _REPORTS = 3  # two in a row, and what noise may cost
 _STALE = 9.0  # s without a report: it begins anew
+_GROUND = 1.0  # m above it: it lies there
 _RISE = 22, 0.3  # s and m: less than 0.5 m in 20 s, by reports that come every 2 s
 _NEVER_RISEN = 70.0  # s: two times of that at least, whenever they begin
 _FALL = 10, 0.05  # s and m: no way makes the depth fall
@@ -103,9 +104,20 @@ def _stays_down(story: Story, stay: Stay) -> Iterator[Violation]:
     for begin, end in story.flat(stay.begin, stay.end, *_RISE, _DEEP):
         if end - begin < _NEVER_RISEN or _excused(story, begin, end):
             continue
+        if _pressed_unseen(story, begin, end):
+            continue
         if max(b - a for a, b in _pauses(story, begin, end)) <= _STALE:
             says = f"stopped {story.depth(end):.1f} m deep for {end - begin:.0f} s: no response"
             yield Violation(SUNK, end, says)
+
+
+def _pressed_unseen(story: Story, begin: float, end: float) -> bool:
+    """Its board drives it onto the ground, and the altimeter does not tell of any: so the depth is
+    contradicted, and an unknown one turns nothing at rest."""
+    near = story.settings.sea.floor - story.depth(end) < _GROUND
+    return (
+        near and story.faulty(("dives_",), begin, end) and story.faulty(("altitude_",), begin, end)
+    )
 
 
 def _pauses(story: Story, begin: float, end: float) -> list[tuple[float, float]]:
