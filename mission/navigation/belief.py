@@ -11,8 +11,8 @@ never twice the same. What speaks against it, over the last ``WINDOW`` seconds:
     offset    fixes come as at the surface, nothing pushes down, and it is 0.8 m or more off 0, and
               stands, or does not fall though the verticals push up; nor moves as a body does
 
-What explains a depth that stands is no contradiction: fixes that come in at the surface (the dive
-fails), the ground under the vehicle, the surface above it. A depth that was contradicted is
+What explains a depth that stands is no contradiction: new places that come in at the surface (the
+dive fails), the ground under the vehicle, the surface above it. A depth that was contradicted is
 believed again once it has moved the way the vehicle is moved, or shows the surface for ``AGREES``
 seconds of fixes. After a leap by the second alone, for it moves as it should: its change can be
 believed again by then, but not where its zero is. After an offset by movement, too, if fixes have
@@ -136,7 +136,7 @@ class DepthBelief:
         push: Vertical,
         receiver: Receiver,
     ) -> None:
-        quiet = receiver.quiet(t)
+        quiet = receiver.no_news(t)
         if altitude is not None:
             self._grounded_at = t if altitude <= _GROUND else -math.inf
         gone = quiet is not None and _FIXES_GO < quiet <= _HAD and abs(depth) < FIX_DEPTH
@@ -193,7 +193,7 @@ class DepthBelief:
         elif self._way and self._pushed_at <= whole:
             way = "down" if self._way > 0 else "up"
             says = f"the verticals push {way} and it stands at {depth:.1f} m"
-            quiet = receiver.quiet(t)
+            quiet = receiver.no_news(t)
             under = quiet is None or quiet > _FIXES_GO
             self._contradict(t, says, moves=self._way > 0 or under)
             self._by_fixes = not self._moves
@@ -262,7 +262,7 @@ class DepthBelief:
         elif abs(moved) < STANDS and self._way and self._pushed_at <= t - WINDOW + 1e-6:
             self.follows = False
         made_up = self._by_fixes and receiver.settled(t) >= WINDOW  # nothing rises at the surface
-        quiet = receiver.quiet(t)
+        quiet = receiver.no_news(t)
         gone = self._is_offset and quiet is not None and quiet > _FIXES_GO  # it goes under, too
         if self.follows and (self._moves or made_up or gone):
             self.reason = ""

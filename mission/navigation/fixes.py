@@ -30,13 +30,14 @@ _LEAP = 15.0  # m beside that between two fixes: six sigma of a plain receiver
 
 
 class Receiver:
-    __slots__ = ("_good", "_last", "_news", "_places", "_since", "fresh", "stale")
+    __slots__ = ("_fresh_at", "_good", "_last", "_news", "_places", "_since", "fresh", "stale")
 
     def __init__(self) -> None:
         self.fresh = False  # the last fix said a place that it had not said lately
         self.stale = False  # it says again what it said before it was silent
         self._places: dict[tuple[float, float], None] = {}  # oldest first
         self._last: Fix | None = None
+        self._fresh_at = 0.0
         self._good = False  # by what the last one says of itself
         self._since = 0.0  # of the run of fixes as at the surface, and its last new places: when
         self._news: tuple[float, ...] = ()
@@ -50,6 +51,7 @@ class Receiver:
         silent = self._last is not None and fix.t - self._last.t >= _SILENT
         self.stale = not self.fresh and (self.stale or silent)
         if self.fresh:
+            self._fresh_at = fix.t
             self._places[place] = None
             if len(self._places) > _REMEMBERED:
                 del self._places[next(iter(self._places))]
@@ -72,6 +74,11 @@ class Receiver:
     def quiet(self, now: float) -> float | None:
         """s since the last fix; None if there never was one."""
         return None if self._last is None else now - self._last.t
+
+    def no_news(self, now: float) -> float | None:
+        """s since it last said a new place: one that got stuck goes on under water. None if there
+        never was one."""
+        return None if self._last is None else now - self._fresh_at
 
     def _follows(self, fix: Fix) -> bool:
         last = self._last

@@ -152,6 +152,20 @@ def test_a_dive_that_fails_at_the_surface_is_natural_while_fixes_come():
     assert Dive().go(300.0, DOWN, at(0.2), fixes=True) == ""
 
 
+@pytest.mark.parametrize("places", [1, 2, 4, 20])
+def test_places_that_a_stuck_receiver_says_in_turn_explain_no_depth_that_stands(places: int):
+    """As flight 14711 of seed 1717: its port clogged at 0.4 m, it dived to the ground in 90 s."""
+    dive = Dive()
+    for i in range(places):
+        dive.receiver.take(Fix(0.1 * i, 0.5 + 1e-7 * i, 2.0, 2.5))
+    for second in range(10, 30):
+        said = 0.5 + 1e-7 * (second % places)
+        dive.receiver.take(Fix(float(second), said, 2.0, 2.5))
+        dive.t = float(second)
+        dive.belief.take(dive.t, 0.4, None, 0.3, DOWN, dive.receiver)
+    assert dive.belief.reason
+
+
 def test_to_push_at_the_surface_upward_is_natural():
     assert Dive().go(300.0, UP, at(0.2)) == ""
 

@@ -25,6 +25,7 @@ _REPORT = re.compile(rb"@SD.{82}\$", re.DOTALL)
 _ANGLES = ("roll_deg", "pitch_deg", "yaw_deg")
 _THRUSTERS = tuple(f"pwm_{name}" for name in ACTUATORS[:5])
 _NEUTRAL_US, _FULL_US, _ON_US = 1500.0, 500.0, 10.0
+_VERTICALS = slice(2, 5)  # of the thrusters
 
 
 class Report(NamedTuple):
@@ -41,6 +42,11 @@ class Report(NamedTuple):
     def turning(self) -> bool:
         """A thruster is on, and that is told."""
         return any(abs(pwm - _NEUTRAL_US) > _ON_US for pwm in self.pwm)
+
+    @property
+    def pushing(self) -> bool:
+        """A vertical gives more than half of full thrust, up or down, and that is told."""
+        return any(abs(pwm - _NEUTRAL_US) > 0.5 * _FULL_US for pwm in self.pwm[_VERTICALS])
 
     @property
     def may_turn(self) -> bool:

@@ -216,14 +216,24 @@ class Story:
         """A depth sensor that was wrong and looked well, or has come back elsewhere, is believed
         again once it has shown the surface for as long as fixes take; before, perhaps not (R5). Nor
         is one that was right while verticals without thrust pushed in vain."""
-        vain = [f.begin for f in self.settings.faults if f.name.startswith("verticals_")]
-        if any(begin < t and not self._has_shown(begin, t) for begin in vain):
+        weak = [f for f in self.settings.faults if f.name.startswith("verticals_") and f.begin < t]
+        if any(not self._has_shown(self._pushed_at(f, t), t) for f in weak):
             return True
         over = [(f, fault_ends(f)) for f in self.settings.faults if f.name.startswith("depth_")]
         return any(
             end < t and self._leap(f, end) > _LEAP and not self._has_shown(end, t)
             for f, end in over
         )
+
+    def _pushed_at(self, fault: FaultEvent, t: float) -> float:
+        """When the verticals last pushed in vain before ``t``, by the reports; at the earliest when
+        the fault began."""
+        pushes = (
+            report.t
+            for report in self.reports
+            if fault.begin <= report.t <= min(t, fault_ends(fault)) and report.pushing
+        )
+        return max(pushes, default=fault.begin)
 
     def _leap(self, fault: FaultEvent, over: float) -> float:
         """m that what it says changes by when it is over; what looked well was contradicted."""

@@ -62,6 +62,7 @@ _DURABLE = 1.5  # s after which a state is on disk
 _BLIND, _FROZEN = 14.0, 12.0  # s: 6 s (R8), and what three reports more may take
 _QUIET, _SILENT, _FORGOTTEN = 1.9, 2.6, 61.5  # s
 _COMMANDS = 9.5  # s
+_RELAYED = 2.0  # s from a word to the answer of its relay
 _M = re.compile(rb"@M[TDMRSP][^@$]*\$")
 _ACKNOWLEDGED = re.compile(rb"@ACK_Z[XA]Y\$")
 _ACCEPTED = re.compile(rb"@ACK_(?:(?:AA|AC|SP|ST|AW|NS|RS)[^N]|RI.)\$", re.DOTALL)
@@ -273,8 +274,9 @@ def _lets_go(story: Story, stay: Stay) -> Iterator[Violation]:
 
 def _one_commands(story: Story) -> Iterator[Violation]:
     """By what was acknowledged to whom; X and W hand the command over. Who says nothing that is a
-    frame is silent."""
+    frame is silent. What counts is when a word was said: a relay is answered later."""
     commander, heard = "", -math.inf
+    free: dict[str, float] = {}  # when who does not command last said a word that may take over
     streams: defaultdict[str, TopsideCodec] = defaultdict(TopsideCodec)
     for event in story.trial.events:
         if isinstance(event, Said):
@@ -282,11 +284,19 @@ def _one_commands(story: Story) -> Iterator[Violation]:
                 commander = event.address
             if event.link == MODEM:
                 commander = ""  # who commands over it is not read here
-            elif _has_frame(streams[event.address], event) and event.address == commander:
-                heard = event.t
+            elif _has_frame(streams[event.address], event):
+                if event.address == commander:
+                    heard = event.t
+                elif event.t - heard >= _COMMANDS:
+                    free[event.address] = event.t
         elif isinstance(event, Tx) and event.link == TOPSIDE and _ACCEPTED.search(event.data):
             other = commander and event.address != commander and event.t - heard < _COMMANDS
-            if other and not story.hindered(event.t - _COMMANDS, event.t):
+            asked = free.get(event.address, -math.inf)
+            if (
+                other
+                and event.t - asked > _RELAYED
+                and not story.hindered(event.t - _COMMANDS, event.t)
+            ):
                 says = f"{event.data!r} to {event.address!r} while {commander!r} commands"
                 yield Violation(UNLAWFUL, event.t, says)
             commander, heard = event.address, event.t
