@@ -349,7 +349,8 @@ def _keeps_the_gap(story: Story) -> Iterator[Violation]:
 
 
 def _heeds_refusals(story: Story) -> Iterator[Violation]:
-    """Where nothing else can be meant: one word alone in the second before."""
+    """Where nothing else can be meant: one word alone in the second before. Not the stop of an
+    ascent that is over, which is no part of the leg's set."""
     for heard in story.heard:
         found = _REFUSED.search(heard.data)
         if found is None:
@@ -362,6 +363,7 @@ def _heeds_refusals(story: Story) -> Iterator[Violation]:
             len(words) != 1
             or not stay.autonomous
             or stay.ascends
+            or (words[0].data == STOP_WORD and story.stay_at(stay.begin - SAME).ascends)
             or story.hindered(heard.t - 1.0, heard.t)
         ):
             continue
