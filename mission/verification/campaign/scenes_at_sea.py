@@ -246,6 +246,12 @@ def _clogged(rng: Random) -> Scene:
     return Scene("deep", (fault("depth_stuck", rng.uniform(14.0, 30.0)),))
 
 
+def _clogged_and_stuck(rng: Random) -> Scene:
+    """The port clogs before it dives, and the receiver says its last places on."""
+    places = fault("gps_in_turn", rng.uniform(6.0, 9.0), FOREVER, rng.randint(1, 5))
+    return Scene("deep", (fault("depth_stuck", rng.uniform(5.0, 6.5)), places))
+
+
 def _lying(*sensors: str) -> Callable[[Random], Scene]:
     """One of them lies, from before the dive or in it; the current that is assumed sets."""
 
@@ -316,6 +322,9 @@ AT_SEA: Mapping[str, SceneRow] = {
     ),
     "heavy_and_wandering": SceneRow("heavy, and fixes made up", _heavy_and_wandering),
     "clogged": SceneRow("the port of the depth clogs on the way down", _clogged),
+    "clogged_and_stuck": SceneRow(
+        "the port clogs at the surface, and the receiver is stuck", _clogged_and_stuck
+    ),
     "stuck_receiver": SceneRow("a receiver that is stuck, and W", _stuck_receiver),
     "wrong_compass": SceneRow(
         "the compass turns the wrong way", _sensor("heading_mirrored", text="there")

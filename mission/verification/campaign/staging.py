@@ -67,7 +67,7 @@ _ON_ALL: Mapping[str, tuple[str, ...]] = {
     ),
     NO_RECEIVER: (
         *("stuck_receiver", "wandering_receiver", "blind_and_wandering", "heavy_and_wandering"),
-        "lying_second",
+        *("clogged_and_stuck", "lying_second"),
     ),
     NO_SUCH_FAULT: (
         *("clogged", "wrong_compass", "loose_compass", "blind_compass", "full_scale_roll"),
