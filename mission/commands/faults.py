@@ -117,13 +117,16 @@ def _known(vehicle: str) -> tuple[Subject, ...]:
     return tuple(fitting(vehicle))
 
 
-def _plan(flight: str, seed: int, known: Sequence[Subject]) -> Plan:
-    """A number is a flight by chance, a name one of a search."""
+def _plan(flight: str, seed: int, known: Sequence[Subject], calmly: bool) -> Plan:
+    """A number is a flight by chance, or without faults, a name one of a search."""
+    from mission.verification.campaign.calm import calm
     from mission.verification.campaign.draw import draw
     from mission.verification.campaign.steered import plan_of
 
     if flight.isdecimal():
-        return draw(seed, int(flight), known)
+        return (calm if calmly else draw)(seed, int(flight), known)
+    if calmly:
+        raise click.BadParameter(f"{flight!r}: flights without faults have numbers")
     try:
         return plan_of(flight, seed, known)
     except ValueError as error:
@@ -139,17 +142,9 @@ def _fly_one(
     calm: bool,
     as_json: bool,
 ) -> None:
-    from mission.verification.campaign.faults import fly_plan, result_of
-
-    if calm:
-        if not name.isdecimal():
-            raise click.BadParameter(f"{name!r}: flights without faults have numbers")
-        result = _fly_calmly(seed, known, int(name))
-    else:
-        plan = _plan(name, seed, known)
-        with _recorders(report, plan, name) as recorder:
-            vehicle = plan.vehicle
-            result = result_of(plan, fly_plan(plan, vehicle, recorder), vehicle, plan.profile)
+    plan = _plan(name, seed, known, calm)
+    with _recorders(report, plan, name) as recorder:
+        result = _fly_plan(plan, recorder, calm)
     totals.add(result)
     click.echo(_story(name, result, _again(seed, name, calm, known)), err=as_json)
 
@@ -237,9 +232,18 @@ def _fly_numbered(seed: int, known: Sequence[Subject], number: int) -> FlightRes
 
 
 def _fly_calmly(seed: int, known: Sequence[Subject], number: int) -> FlightResult:
-    from mission.verification.campaign.calm import fly_calmly
+    from mission.verification.campaign.calm import calm, fly_calmly
 
-    return fly_calmly(seed, number, known)
+    return fly_calmly(calm(seed, number, known))
+
+
+def _fly_plan(plan: Plan, recorder: Callable[[], Recorder | None], calmly: bool) -> FlightResult:
+    from mission.verification.campaign.calm import fly_calmly
+    from mission.verification.campaign.faults import fly_plan, result_of
+
+    if calmly:
+        return fly_calmly(plan, recorder)
+    return result_of(plan, fly_plan(plan, plan.vehicle, recorder), plan.vehicle, plan.profile)
 
 
 def _break(

@@ -4,12 +4,12 @@
     upside down, behind them:               D12 for 5 s, at most once a minute
 
 A way that makes the depth fall, from its turn's begin or, where it sank on, from the deepest since,
-is kept for as long as it does, and said once more when it no longer does: the board may have lost
-it. One under which a vehicle that sank has just turned round has another turn. Behind a push the
-wrong way a vehicle sinks on before it rises, and letting go then has two turns. Full thrust has two
-when it comes round again: by a depth that comes 12 s late what one way lifts is seen in the turn of
-the next. Where no depth tells, it has one more each time it comes round, up to four: what is heavy
-sinks in the turns of the others.
+is kept for as long as it does, over two turns of it, and said once more when it no longer does: the
+board may have lost it. One under which a vehicle that sank has just turned round has another turn.
+Behind a push the wrong way a vehicle sinks on before it rises, and letting go then has two turns.
+Full thrust has two when it comes round again: by a depth that comes 12 s late what one way lifts is
+seen in the turn of the next. Where no depth tells, it has one more each time it comes round, up to
+four: what is heavy sinks in the turns of the others.
 An unknown depth counts as not falling. Where the attitude is doubtful too, any push may lead down:
 each time the vehicle is let go that lasts twice as long, up to 160 s, and then 10 s again, since
 what is heavy needs the pushes. A depth that was known in the turn of full thrust and is not at its
@@ -53,6 +53,7 @@ class Ascent:
     __slots__ = (
         *(
             "_at",
+            "_before",
             "_deepest",
             "_dark",
             "_downward",
@@ -86,6 +87,7 @@ class Ascent:
         self._downward: tuple[Way, ...] = ()  # that led deeper, upside down
         self._dark, self._let_go = False, 0  # neither depth nor attitude; times let go so
         self._kept = False  # the way in use has made the depth fall
+        self._before: float | None = None  # the deepest of the turn before, that was of this way
         self._begin_turn(now, depth)
         first = ways[0]
         if overturned:
@@ -123,7 +125,7 @@ class Ascent:
         elif now < self.next_timer():
             return ()
         elif self._works(fallen):
-            self._begin_turn(now, depth)
+            self._go_on(now, depth)
             return ()
         elif depth is None and self._pushes_on(overturned):
             self._lengthen()
@@ -132,7 +134,7 @@ class Ascent:
         why = f"{self.why}: after {now - self._since:.3g} s the depth {seen}"
         if self._kept and not overturned:
             why = f"{why}: said again, since it was"
-            self._begin_turn(now, depth)
+            self._go_on(now, depth)
         elif overturned and depth is not None and self._may_push_down(now):
             why = f"{why}, and the vehicle is upside down"
             self.way, self._overturned_at = DOWNWARD, now
@@ -149,6 +151,8 @@ class Ascent:
             return False
         sank = deepest - start
         rises = fallen >= FALL + (0.0 if sank > SANK else sank)
+        if self._before is not None and self._before - (deepest - fallen) < 2.0 * FALL:
+            rises = False  # noise alone makes one turn's rise now and then, but not two turns'
         self._kept = self._kept or rises
         return rises or (sank > DEEPER and fallen >= ROUND)
 
@@ -195,7 +199,14 @@ class Ascent:
     def _may_lift(self, way: Way, depth: float | None) -> bool:
         return depth is not None and way not in self._downward
 
+    def _go_on(self, now: float, depth: float | None) -> None:
+        """Another turn of the way in use."""
+        before = self._deepest
+        self._begin_turn(now, depth)
+        self._before = before
+
     def _begin_turn(self, now: float, depth: float | None, turn: float | None = None) -> None:
+        self._before = None
         self._since = self._looked = now
         self._turn = TURN if turn is None else turn
         self._longest = self._turn + WORD

@@ -245,6 +245,21 @@ def test_the_noise_of_a_depth_that_stands_keeps_no_way_for_long():
         assert told < 60.0, seed
 
 
+def test_nor_that_of_a_depth_at_which_it_has_come_to_a_stand():
+    """As calm flight 505 of seed 18: from 5 m W brought it to 3 m, and noise of 0.2 m kept it."""
+    kept = []
+    for seed in range(400):
+        noise, ascent, told = random.Random(seed), begun(10.0), 0.0
+        stands = noise.uniform(11.0, 29.0)
+        while ascent.way is Order.SURFACE:
+            told += 2.0
+            depth = 10.0 - 0.25 * min(told, stands)
+            ascent.act(told, depth + noise.gauss(0.0, 0.2), False)
+        kept.append(told - stands)
+    assert sum(kept) / len(kept) < 30.0
+    assert sum(seconds > 60.0 for seconds in kept) <= 2
+
+
 def test_of_a_depth_that_comes_late_full_thrust_is_tried_for_longer():
     """As flight 8485 of seed 808: while it was let go it was seen to rise, from before."""
     ascent, depths = begun(20.0), [20.0] * 7

@@ -12,7 +12,7 @@ What does not live here: what else is asked of a flight (laws, whole_flight), fa
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from random import Random
 
@@ -22,6 +22,7 @@ from links.simulated.settings import Settings
 from mission.engine.run import BLIND_TIME
 from mission.model import Mission, Step
 from mission.model.vehicle import Vehicle
+from mission.onboard.runtime.records import Recorder
 from mission.verification.campaign.draw import Plan, Subject, profiles_of
 from mission.verification.campaign.faults import ALARMED, FlightResult, fly_plan, result_of
 from mission.verification.campaign.laws import Violation
@@ -83,8 +84,7 @@ def _without_an_echo(step: Step, trial: Trace, vehicle: Vehicle) -> bool:
     )
 
 
-def fly_calmly(seed: int, number: int, known: Sequence[Subject]) -> FlightResult:
-    plan = calm(seed, number, known)
+def fly_calmly(plan: Plan, recorder: Callable[[], Recorder | None] = lambda: None) -> FlightResult:
     vehicle = plan.vehicle
-    trial = fly_plan(plan, vehicle)
+    trial = fly_plan(plan, vehicle, recorder)
     return result_of(plan, trial, vehicle, plan.profile, more=tuple(alarms(trial, vehicle)))
