@@ -103,6 +103,16 @@ def test_the_command_ends_with_one_object_and_flies_one_again(tmp_path: Path) ->
     assert "set" not in notes or not notes["set"], "what went wrong is not told before the story"
 
 
+def test_a_calm_flight_that_is_flown_again_leaves_its_black_box(tmp_path: Path) -> None:
+    asked = ["--calm", "--seed", "19", "--flight", "2", "--report", str(tmp_path)]
+    done = CliRunner().invoke(faults, asked)
+    assert done.exit_code == 0, done.output
+    assert notes_of(tmp_path / "life1.mcap")["seed"] == "19, flight 2"
+    done = CliRunner().invoke(faults, ["--calm", "--flight", "there/0"])
+    assert done.exit_code == 2
+    assert "flights without faults have numbers" in done.output
+
+
 # --- what it has found ---------------------------------------------------------------------------
 
 
