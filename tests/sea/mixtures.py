@@ -109,6 +109,16 @@ def clogged_in_current(world: World) -> Steps:
     yield from world.rest(230)
 
 
+def clogged_as_it_dives(world: World) -> Steps:
+    """The port closes as the hull goes under; the receiver tells its last places on, as if afloat."""
+    yield from go(world, mission(8, 10))
+    yield from world.until(lambda: world.body.depth > 0.4, 60)
+    world.board.senses.depth = faults.clogged(0.4, world.seed)
+    yield from world.wait(40)
+    world.mark("due")
+    yield from world.rest(260)
+
+
 def late_node(world: World) -> Steps:
     """AUTO closed and opened on deck; a copy of the closing comes by modem, 90 s late, at depth."""
     operator = world.operator()
@@ -266,6 +276,16 @@ SCENES: tuple[Scene, ...] = (
         BACK,
         body={"current": (0.2, -0.15), "buoyancy": 4.0},
         world={"receiver_mode": "alternating"},
+    ),
+    *(
+        Scene(
+            f"clogged-as-it-dives-{mode}",
+            "places said again are none; full push for 20 s moves no depth",
+            clogged_as_it_dives,
+            BACK,
+            world={"receiver_mode": mode},
+        )
+        for mode in ("stuck", "cycling", "ring")
     ),
     Scene(
         "late-node",
