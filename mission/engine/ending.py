@@ -30,7 +30,7 @@ from mission.model import (
     Ending,
 )
 from mission.model.regions import IDLE, MANUAL
-from protocol.messages import UPWARD
+from protocol.messages import UPWARD, Setpoint
 
 WHY = "the program is ended"
 STAYS_UP = 30.0  # s; 0.3 N too heavy, it is 1 m deep after 25 s
@@ -94,8 +94,16 @@ def _is_deep(core: Core) -> bool:
 
 
 def _at_surface(core: Core) -> bool:
-    """Whether the surface was proved just now (R7), and no believed depth contradicts it."""
-    depth = core.vehicle_state.depth
-    return (depth is None or depth < SURFACE_DEPTH) and core.vehicle_state.surfaced(
-        core.now - SURFACE_TIME
-    )
+    """Whether the surface was proved just now (R7), no believed depth contradicts it, and nothing
+    leads down: a port that has clogged shows the surface for as long as a dive needs to tell."""
+    state = core.vehicle_state
+    if not (state.depth is None or state.depth < SURFACE_DEPTH):
+        return False
+    return not _leads_down(state.command) and state.surfaced(core.now - SURFACE_TIME)
+
+
+def _leads_down(asked: Setpoint | None) -> bool:
+    if asked is None:
+        return False
+    below = asked.depth is not None and asked.depth > SURFACE_DEPTH
+    return below or asked.altitude is not None or (asked.heave is not None and asked.heave > 0.0)

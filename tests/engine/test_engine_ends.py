@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from engine_world import M, W, World, X, compiled, leg, mission
+from engine_world import M, W, World, X, compiled, leg, mission, sets
 
 from mission.engine.ascent import UPWARD
 from mission.model import (
@@ -17,16 +17,18 @@ from mission.model import (
     AutoNode,
     Ending,
     Loaded,
+    Mission,
     Restarted,
 )
 from protocol.messages import ClearMission, Order, StartMission
 
 MISSION = mission(leg("a", timeout=600.0), leg("b"))
+AFLOAT = mission(leg("a", timeout=600.0, settings=sets(surge=0.5, heading=0.0)))
 STOP, SURFACE = Order.STOP, Order.SURFACE
 
 
-def flying_at(depth: float) -> World:
-    world = World(MISSION)
+def flying_at(depth: float, of: Mission = MISSION) -> World:
+    world = World(of)
     assert world.start()
     world.depth = depth
     world.wait(8.0)
@@ -72,11 +74,22 @@ def test_nobody_leaves_what_sinks_when_an_ascent_has_let_it_go():
 
 
 def test_an_end_at_a_proved_surface_stops_and_turns_nothing():
-    world = flying_at(0.2)
+    world = flying_at(0.2, AFLOAT)
     before = len(world.actions)
     world.tell(Ending())
     assert (world.state, world.engine.settled) == (SURFACED, True)
     assert since(world, before) == [STOP]
+
+
+@pytest.mark.parametrize("now", [False, True])
+def test_a_shallow_depth_proves_no_surface_where_the_leg_leads_down(now: bool):
+    """As flight 18270 of seed 1818: a port that clogs as it goes under says 0.4 m for as long as
+    a dive needs to tell, and ended by that it was left 4 m deep."""
+    world = flying_at(0.2)
+    before = len(world.actions)
+    world.tell(Ending(now=now))
+    assert since(world, before) == [UPWARD if now else SURFACE]
+    assert world.engine.settled is False
 
 
 def test_a_fix_of_just_now_is_no_surface_against_a_depth_to_believe():
@@ -206,7 +219,7 @@ def test_what_was_just_let_go_at_the_surface_is_left_so_where_time_is_out():
 
 
 def test_a_mission_under_the_stick_at_a_proved_surface_is_stopped_where_time_is_out():
-    world = flying_at(0.2)
+    world = flying_at(0.2, AFLOAT)
     world.wait(8.0)
     world.tell(M)
     before = len(world.actions)

@@ -40,7 +40,7 @@ from mission.model.regions import EMERGENCY, MANUAL
 from mission.verification.campaign.audit import commands_of, moves
 from mission.verification.campaign.laws import Violation
 from mission.verification.campaign.reports import Report
-from mission.verification.campaign.story import SAME, STOP_WORD, Stay, Story
+from mission.verification.campaign.story import SAME, STOP_WORD, WRONG_DEPTHS, Stay, Story
 from mission.verification.campaign.surface_laws import UNLAWFUL
 from mission.verification.campaign.trial import AUTO_NODE, fault_ends
 from mission.verification.rig.acts import MODEM, TOPSIDE, Act
@@ -57,6 +57,7 @@ _STOP_AGAIN = 1.6  # s: every 0.5 s, behind three tries of another word
 _TURNS = 1  # report with a thruster on: X0 leaves with it
 _UPWARD = 2.0  # s after a restart
 _DEEP_ENOUGH, _STAYS = 1.5, 100.0  # m, s: an ascent from where scenes are
+_RISES = 0.5  # m in 5 s: let go it floats up
 _LEFT = 2.5  # m: 2 (R7, an orderly end), and the sensor
 _DURABLE = 1.5  # s after which a state is on disk
 _BLIND, _FROZEN = 14.0, 12.0  # s: 6 s (R8), and what three reports more may take
@@ -222,9 +223,17 @@ def _ends_on_its_way_up(story: Story) -> Iterator[Violation]:
         hurried = any(done.act in _ENDS_AT_ONCE for done in story.done)
         taken = any(end.t <= s.begin <= gone and s.state.startswith(MANUAL) for s in story.stays)
         allowed = _LEFT if story.stay_at(gone - SAME).state == STOPPED else _DEEP_ENOUGH
-        if gone <= end.t + _STAYS and not (hurried or taken) and story.depth(gone) > allowed:
+        if hurried or taken or _floats_up_unseen(story, gone):
+            continue
+        if gone <= end.t + _STAYS and story.depth(gone) > allowed:
             says = f"told to end in {stay.state}, and gone {story.depth(gone):.1f} m deep"
             yield Violation(UNLAWFUL, gone, says)
+
+
+def _floats_up_unseen(story: Story, gone: float) -> bool:
+    """A depth that is wrong and looks well showed the surface, and it is on its way there."""
+    rises = story.depth(gone - 5.0) - story.depth(gone) > _RISES
+    return rises and story.faulty(WRONG_DEPTHS, gone, gone)
 
 
 def _has_word(story: Story, begin: float, end: float) -> bool:
