@@ -317,8 +317,9 @@ class VehicleState:
         and whether that is doubtful: also where it was upside down when it fell silent."""
         told = self.telemetry
         silent = told is None or self.now - told.t > self._stale_after
-        over, doubtful = self.overturned, self.attitude.doubtful
-        return self.now, self.moving_depth, over and not silent, doubtful or (over and silent)
+        over, frozen = self.overturned, self.health("attitude").reason == "frozen"
+        doubtful = self.attitude.doubtful or frozen or (over and silent)
+        return self.now, self.moving_depth, over and not silent, doubtful
 
     @property
     def submerged(self) -> bool:

@@ -105,6 +105,16 @@ def test_a_vehicle_that_fell_silent_upside_down_may_lie_either_way():
     assert vehicle_state.seen_rising[2:] == (False, False)
 
 
+def test_an_attitude_that_repeats_itself_tells_no_more_which_way_up_it_lies():
+    """As flight 422 of seed 1919: it froze upright, then the vehicle turned over."""
+    navigation = Navigation()
+    vehicle_state = told(VehicleState(navigation), 1.0, roll=0.0, pitch=0.0)
+    for reason, doubtful in (("missing", False), ("frozen", True)):
+        navigation.doubt["attitude"] = reason
+        vehicle_state.at(2.0)
+        assert vehicle_state.seen_rising[2:] == (False, doubtful)
+
+
 def test_without_navigation_a_finite_depth_is_believed_for_six_seconds():
     vehicle_state = VehicleState()
     assert (vehicle_state.depth, vehicle_state.health("depth").reason) == (None, "missing")
