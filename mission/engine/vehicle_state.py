@@ -313,8 +313,7 @@ class VehicleState:
 
     @property
     def seen_rising(self) -> tuple[float, float | None, bool, bool]:
-        """What an ascent goes by: the time, the depth for its change, whether it is upside down,
-        and whether that is doubtful: also where it was upside down when it fell silent."""
+        """For an ascent: s; the depth for its change; whether it is upside down; may be, unseen."""
         told = self.telemetry
         silent = told is None or self.now - told.t > self._stale_after
         over, frozen = self.overturned, self.health("attitude").reason == "frozen"
