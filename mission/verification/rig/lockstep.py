@@ -18,7 +18,7 @@ _MOST = 200  # at one instant: more, and somebody is never done
 Due = tuple[float | None, Callable[[], None]]  # s, and what is then to be done
 
 
-class Busy(RuntimeError):
+class Busy(Exception):
     """Somebody is due again and again at one instant."""
 
 
