@@ -536,6 +536,20 @@ def test_a_board_that_answers_nothing_hears_the_stop_again_and_again(name: str) 
     assert runtime.state == "emergency/stopped"
 
 
+def test_what_is_due_leaves_though_a_receiver_that_says_nothing_comes_first() -> None:
+    """Under water its sentences are news to nobody; an instant that somebody waits for is one."""
+    runtime = Runtime(Configuration(), VEHICLE, MemoryStore())
+    assert runtime.receive(Rx(1.0, "topside", b"@ZAX0$", "boat"))
+    runtime.handle_timer(1.0)  # the marker's
+    due = runtime.next_timer()
+    assert due is not None
+    nothing = encode_gga(START, None, None)
+    assert not runtime.receive(Rx(due - 0.1, "gps", nothing))
+    assert runtime.next_timer() == due
+    again = runtime.receive(Rx(due, "gps", nothing))
+    assert [(tx.link, tx.data) for tx in again] == [("vehicle", b"@ZAX0$")]
+
+
 # --- a line that was away ------------------------------------------------------------------------
 
 
