@@ -3,7 +3,7 @@
 There is no tick, no clock and no thread; the same inputs give the same bytes. Of those who are due
 at one instant, whoever stands first in ``dues`` goes first, then the next look is taken.
 
-    Busy      (a bug of whoever is due: an instant that never ends)
+    busy.Busy (a bug of whoever is due: an instant that never ends)
 
 What does not live here: who takes part (rig, exhaustive.world), the loop at sea (onboard.serve).
 """
@@ -14,12 +14,10 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable
 
+from mission.verification.rig.busy import Busy
+
 _MOST = 200  # at one instant: more, and somebody is never done
 Due = tuple[float | None, Callable[[], None]]  # s, and what is then to be done
-
-
-class Busy(RuntimeError):
-    """Somebody is due again and again at one instant."""
 
 
 class LockStep(ABC):

@@ -35,6 +35,7 @@ from mission.verification.rig.vehicle import Simulated
 RESTART = 3.0  # s until a program that died by itself is begun anew
 _WAITS = (Act.SAY, Act.JOIN, Act.PART, Act.END, Act.HURRY)  # for a program that stands still
 _DEATHS = {Act.DIE_BEFORE: Death.BEFORE, Act.DIE_AFTER: Death.AFTER}
+_PORTS = (VEHICLE, SENSORS, *RECEIVERS)
 _GPS_NODE = re.compile(rb"BDGPS ([OC])")
 
 
@@ -261,7 +262,7 @@ class Rig(LockStep):
         self._notice_line()
         ports: dict[str, bytes] = {}
         for disturbance in held:
-            if disturbance.link in (VEHICLE, SENSORS, *RECEIVERS):
+            if disturbance.link in _PORTS:
                 ports[disturbance.link] = ports.get(disturbance.link, b"") + disturbance.data
         for link, data in ports.items():
             self._hear(Rx(self.now, link, data))

@@ -6,7 +6,8 @@ import math
 
 import pytest
 
-from mission.verification.rig.lockstep import Busy, Due, LockStep
+from mission.verification.rig.busy import Busy
+from mission.verification.rig.lockstep import Due, LockStep
 
 
 class Clocks(LockStep):
