@@ -32,7 +32,8 @@ def plan(
     """Draw where MISSION means to go: its track in still water, over a grid.
 
     Shows legs, areas, turning points with their times, the depth, and where the vehicle may be by
-    its own estimate with 95 %, which grows until the next fix. With --bathymetry the sea floor
+    its own estimate with 95 %, which grows until the next fix. A page has beside it by leg what
+    check expects of dives in the current that MISSION assumes. With --bathymetry the sea floor
     of the file lies under the depth, and the least water under the vehicle is told.
 
     Exit 0, or 2 if MISSION cannot be read, or does not come to its end in still water.
