@@ -55,9 +55,13 @@ def plan(
         click.echo(str(error), err=True)
         raise SystemExit(2) from None
     write(output, drawn)
+    if made.unflown:
+        never = ", ".join(made.unflown)
+        click.echo(f"not drawn, since no way leads there in still water: {never}", err=True)
     if as_json:
         near = made.clearance
         told = {"file": str(output), "digest": prepared.chart.digest, "seconds": made.seconds}
+        told["not_flown"] = list(made.unflown)
         click.echo(json.dumps({**told, "least_water_m": None if near is None else near.least}))
     elif made.clearance is not None:
         click.echo(made.clearance.told)

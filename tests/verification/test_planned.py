@@ -84,6 +84,18 @@ def test_the_plan_says_of_each_leg_what_the_check_expects_beside_the_vehicles_ow
             assert known.get("expected_m", 0.0) == round(told[known["leg"]] or 0.0, 1)
 
 
+def test_legs_that_no_way_leads_to_in_still_water_are_told(tmp_path: Path) -> None:
+    file = tmp_path / "m.mission"
+    text = TEXT.replace("until depth >= 3.5 timeout 60", "until temperature falls 2 timeout 60")
+    file.write_text(text)
+    said = CliRunner().invoke(
+        main, ["plan", str(file), "-o", str(tmp_path / "a.geojson"), "--json"]
+    )
+    assert said.exit_code == 0, said.output
+    assert json.loads(said.stdout)["not_flown"] == ["mow", "up"]
+    assert "not drawn, since no way leads there in still water: mow, up" in said.stderr
+
+
 def test_the_track_leads_along_the_legs_of_the_mission(plan: Plan) -> None:
     assert [leg.name for leg in plan.stretches] == ["dive", "mow", "up", "surface"]
     assert plan.radius == 400.0

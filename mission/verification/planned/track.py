@@ -26,7 +26,7 @@ from mission.authoring.check.places import local_of, pattern_of, places_of
 from mission.engine.areas import Fence
 from mission.legs import Follow, Loiter
 from mission.legs.base import Point
-from mission.model import Leg, LegKind, Mission, Position, State
+from mission.model import IMPLICIT_SURFACE, Leg, LegKind, Mission, Position, State
 from mission.model.chart import Chart
 from mission.model.vehicle import Vehicle
 from mission.navigation.distribution import PLANE_95
@@ -92,6 +92,7 @@ class Plan:
     stretches: tuple[Stretch, ...]
     fences: tuple[Fence, ...] = ()
     clearance: Clearance | None = None  # the least water under it; where a file knows the floor
+    unflown: tuple[str, ...] = ()  # legs that no way led to in still water
 
 
 @dataclass(frozen=True, slots=True)
@@ -133,7 +134,10 @@ def planned(mission: Mission, chart: Chart, vehicle: Vehicle, depths: Depths | N
         raise Unplanned(f"in still water it is not completed: {flight.reason}{under}")
     radius = min(vehicle.limits.radius, mission.safety.radius or math.inf)
     seconds, fences = flight.mission_time, fenced(mission)
-    return Plan(mission.name, mission.home, radius, seconds, stretches, fences, near)
+    flown = {leg.name.partition("#")[0] for leg in stretches}
+    own = (name for name in legs if legs[name].path != IMPLICIT_SURFACE)
+    unflown = tuple(name for name in own if name not in flown)
+    return Plan(mission.name, mission.home, radius, seconds, stretches, fences, near, unflown)
 
 
 def _expected(mission: Mission, vehicle: Vehicle) -> dict[str, float]:
