@@ -32,7 +32,8 @@ def plan(
     """Draw where MISSION means to go: its track in still water, over a grid.
 
     Shows legs, areas, turning points with their times, the depth, and where the vehicle may be by
-    its own estimate with 95 %, which grows until the next fix. With --bathymetry the sea floor
+    its own estimate with 95 %, which grows until the next fix. A page has beside it by leg what
+    check expects of dives in the current that MISSION assumes. With --bathymetry the sea floor
     of the file lies under the depth, and the least water under the vehicle is told.
 
     Exit 0, or 2 if MISSION cannot be read, or does not come to its end in still water.
@@ -54,9 +55,13 @@ def plan(
         click.echo(str(error), err=True)
         raise SystemExit(2) from None
     write(output, drawn)
+    if made.unflown:
+        never = ", ".join(made.unflown)
+        click.echo(f"not drawn, since no way leads there in still water: {never}", err=True)
     if as_json:
         near = made.clearance
         told = {"file": str(output), "digest": prepared.chart.digest, "seconds": made.seconds}
+        told["not_flown"] = list(made.unflown)
         click.echo(json.dumps({**told, "least_water_m": None if near is None else near.least}))
     elif made.clearance is not None:
         click.echo(made.clearance.told)

@@ -131,9 +131,11 @@ def _tell(
         least = [] if near is None else [near.told]
         click.echo("\n".join([table(flight, prepared.chart), *least, *flown.as_lines()]))
         return
+    covered = coverage_of(flight, prepared.mission)
+    reached = reaching.achieved_by(flight, prepared.mission, covered)
     told = flight.as_json() | {
-        "coverage": as_json_of(coverage_of(flight, prepared.mission)),
-        "purpose": reaching.as_json_of(reaching.achieved_by(flight, prepared.mission)),
+        "coverage": as_json_of(covered),
+        "purpose": reaching.as_json_of(reached),
         "flown": flown.as_object(),
     }
     if near is not None:

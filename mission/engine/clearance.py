@@ -40,6 +40,11 @@ def at_depth(setpoint: Setpoint, depth: float | None = None) -> Setpoint:
     return replace(setpoint, depth=setpoint.depth if depth is None else depth, altitude=None)
 
 
+def step_of(vehicle: Vehicle) -> float:
+    """m: in what steps a set with both goes down."""
+    return vehicle_row(vehicle.codec).granularity.depth or _FINE
+
+
 class Clearance:
     """Of one vehicle in one mission. ``floor`` is the deepest sea floor that is assumed, m;
     ``step`` that of the depths the vehicle can be told."""
@@ -53,8 +58,7 @@ class Clearance:
     @classmethod
     def of(cls, mission: Mission, vehicle: Vehicle) -> Self:
         allowed = min(vehicle.limits.depth, mission.safety.depth or math.inf)
-        step = vehicle_row(vehicle.codec).granularity.depth
-        return cls(mission.floor(allowed), step or _FINE)
+        return cls(mission.floor(allowed), step_of(vehicle))
 
     def clone(self) -> Self:
         return copied(self)

@@ -64,6 +64,29 @@ def test_a_row_that_is_not_flown_is_missed() -> None:
     assert share(rest, flown(AREA)) > 0.98
 
 
+@pytest.mark.parametrize("swath", [20.0, 7.0])
+def test_a_track_sees_the_cells_that_lie_beside_a_step_along_the_rows(swath: float) -> None:
+    """By a look at each cell alone, beside the one at strips of cells."""
+    kind = replace(AREA, swath=swath)
+    pattern = LEGS[Rows].pattern(kind, (START,), START)
+    track = flown(kind, 3.0)[::7]
+    steps = list(pairwise(pattern.framed((p.north, p.east)) for p in track))
+    (bottom, top), (left, right) = pattern.along, pattern.across
+    cell = max(max(top - bottom, right - left) / 200, min(swath / 20, 1.0))
+    rows, columns = int((top - bottom) / cell), int((right - left) / cell)
+    seen_cells = 0
+    for i in range(rows):
+        for j in range(columns):
+            x, y = bottom + (i + 0.5) * cell, left + (j + 0.5) * cell
+            seen_cells += any(
+                abs(c - a) > abs(d - b)
+                and min(a, c) <= x < max(a, c)
+                and abs(y - b - (d - b) * (x - a) / (c - a)) <= swath / 2.0
+                for (a, b), (c, d) in steps
+            )
+    assert share(kind, track) == pytest.approx(seen_cells / (rows * columns), abs=1e-3)
+
+
 def test_turns_see_nothing() -> None:
     turn = [SimpleNamespace(north=START[0] + n, east=START[1] + 1.0 + 0.1 * n) for n in range(30)]
     across = replace(AREA, bearing=math.pi / 2)

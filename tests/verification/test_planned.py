@@ -15,7 +15,7 @@ from click.testing import CliRunner
 from later import Later
 
 from mission.authoring.bathymetry import bathymetry_of
-from mission.authoring.prepare import prepare
+from mission.authoring.prepare import check_prepared, prepare
 from mission.cli import main
 from mission.model import Local, Position
 from mission.navigation.geodesy import LocalFrame
@@ -61,6 +61,39 @@ def plan(tmp_path_factory: pytest.TempPathFactory) -> Plan:
     file.write_text(TEXT)
     ready = prepare(file)
     return planned(ready.mission, ready.chart, ready.vehicle)
+
+
+@pytest.mark.parametrize("name", ["coreboard-dive", "lawnmower"])
+def test_the_plan_says_of_each_leg_what_the_check_expects_beside_the_vehicles_own_estimate(
+    name: str,
+) -> None:
+    ready = prepare(name)
+    made = planned(ready.mission, ready.chart, ready.vehicle)
+    told = {leg.name: leg.expected for leg in made.stretches}
+    for one in check_prepared(ready).outlook:
+        names = [f"{one.leg}/row{n + 1}" for n in range(len(one.errors))] if one.rows else [one.leg]
+        assert [told[name] for name in names] == list(one.errors)
+    page = FORMATS[".html"].write(made).decode()
+    for leg in (leg for leg in made.stretches if leg.spots):
+        cells = "" if leg.expected is None else f"{leg.expected:.0f} m"
+        assert f"<td>{cells}</td><td>{leg.spots[-1].axes[0]:.0f} m</td>" in page
+    features = json.loads(FORMATS[".geojson"].write(made))["features"] if ready.mission.home else []
+    for feature in features:
+        known = feature["properties"]
+        if known["is"] == "track":
+            assert known.get("expected_m", 0.0) == round(told[known["leg"]] or 0.0, 1)
+
+
+def test_legs_that_no_way_leads_to_in_still_water_are_told(tmp_path: Path) -> None:
+    file = tmp_path / "m.mission"
+    text = TEXT.replace("until depth >= 3.5 timeout 60", "until temperature falls 2 timeout 60")
+    file.write_text(text)
+    said = CliRunner().invoke(
+        main, ["plan", str(file), "-o", str(tmp_path / "a.geojson"), "--json"]
+    )
+    assert said.exit_code == 0, said.output
+    assert json.loads(said.stdout)["not_flown"] == ["mow", "up"]
+    assert "not drawn, since no way leads there in still water: mow, up" in said.stderr
 
 
 def test_the_track_leads_along_the_legs_of_the_mission(plan: Plan) -> None:

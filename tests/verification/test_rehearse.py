@@ -15,15 +15,17 @@ from click.testing import CliRunner
 
 from links.simulated.settings import parse_settings
 from mission.authoring.language import parse
-from mission.authoring.prepare import prepare
+from mission.authoring.prepare import prepare, prepare_text
 from mission.cli import main
 from mission.model.shipped import load_vehicle
-from mission.verification.rehearsing.flights import Flown, energy_of
+from mission.onboard.runtime import mission_validator
+from mission.verification.rehearsing.flights import Flown, energy_of, rehearsed
 from mission.verification.rehearsing.page import html_page
 from mission.verification.rehearsing.report import as_text, quantile, regions, report_of, wilson
 from mission.verification.rehearsing.sea import drawn
 from mission.verification.simulation.coverage import Coverage
 from mission.verification.simulation.flight import fly
+from mission.verification.workers.places import Place
 
 DIVE = prepare("first-dive")
 FLIGHTS = 4
@@ -67,6 +69,29 @@ def test_the_vehicle_errs_as_its_file_says() -> None:
 def test_a_seed_draws_the_same_sea_and_another_seed_another() -> None:
     assert drawn(DIVE.mission, DIVE.vehicle, 1, 7) == drawn(DIVE.mission, DIVE.vehicle, 1, 7)
     assert drawn(DIVE.mission, DIVE.vehicle, 1, 7) != drawn(DIVE.mission, DIVE.vehicle, 2, 7)
+
+
+def test_a_worker_judges_a_mission_once_and_its_flights_are_as_if_each_had(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    short = (
+        "mission m vehicle auv\nassume current 0.1\nsafety depth 5 time 20min\n"
+        "out: gear 6 heading 90 depth 2 for 10s\nup: surface timeout 2min\n"
+    )
+    ready = prepare_text(short, "m.mission")
+    judged, really = [], mission_validator.judge
+    monkeypatch.setattr(
+        mission_validator, "judge", lambda *said: judged.append(said) or really(*said)
+    )
+    flights = list(rehearsed(ready, None, {}, 3, 3, Place()))
+    assert len(judged) == 1
+    for number, one in enumerate(flights):
+        assert isinstance(one, Flown)
+        sea = parse_settings(drawn(ready.mission, ready.vehicle, 3, number))
+        alone = fly(ready.mission, ready.vehicle, seed=3 + number, settings=sea)
+        assert (one.outcome, one.time) == (alone.outcome, alone.mission_time)
+        assert one.error == max(sample.error for sample in alone.samples)
+    assert len(judged) == 4
 
 
 @pytest.mark.proof

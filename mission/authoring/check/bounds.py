@@ -44,7 +44,7 @@ from mission.authoring.check.intervals import (
     scaled,
 )
 from mission.authoring.check.places import places_of
-from mission.engine.clearance import is_guarded
+from mission.engine.clearance import is_guarded, step_of
 from mission.legs import LEGS
 from mission.model import Axis, By, Expression, State
 from mission.model.units import GEARS
@@ -285,6 +285,12 @@ class LegBounds:
     def holds_depth(self) -> bool:
         """It goes down to where it is told, whatever the floor is there."""
         return self._pushes_down and not self.ascends and self.setpoint.altitude is None
+
+    @property
+    def least_floor(self) -> float:
+        """m of water that a set by altitude needs to have a depth to hold; 0 without one."""
+        step = step_of(self.vehicle) if is_guarded(self.setpoint) else 0.0
+        return step + (self.setpoint.altitude or 0.0)
 
     @property
     def _pushes_down(self) -> bool:

@@ -191,7 +191,9 @@ class Flow:
         self._look_at_areas(path, leg, entry, sweep)
         proof.blind = max(proof.blind, leg.blind(entry))
         if self.sweeps:
-            over = Over(swept(leg, entry, sweep), leg.blind(entry), leg.holds_depth)
+            over = Over(
+                swept(leg, entry, sweep), leg.blind(entry), leg.holds_depth, leg.least_floor
+            )
             proof.over[path] = proof.over[path].joined(over) if path in proof.over else over
         self._surface(path, sweep)
         for scope in above:

@@ -3,10 +3,10 @@
 A leg sweeps the hull of where it means to be, widened by its error (fenced.py); every cell of the
 file that this touches counts. Where the file knows nothing the floor is the one that is assumed.
 
-    grounding   a leg that may be deeper than the shallowest floor that it may be over
+    grounding   a leg that may be deeper than the shallowest floor that it may be over; one that
+                keeps an altitude, where that leaves it no depth to hold
     floor       a floor deeper than the one that the mission assumes
 
-A leg that keeps an altitude follows the floor and is not judged by it.
 What does not live here: the formats (authoring.bathymetry), the sea that is simulated (links).
 """
 
@@ -35,18 +35,20 @@ _WHOLE = 0.995  # share known that counts as all of it: the edge cuts cells
 @dataclass(frozen=True, slots=True)
 class Over:
     """One leg and all that it sweeps, however often it is flown; ``blind`` is how deep it may be
-    if the sensor of a hold fails. ``holds_depth``: it goes down, and not by the floor."""
+    if the sensor of a hold fails. ``holds_depth``: it goes down, and not by the floor;
+    ``least``: where it goes by it, the m of water that it needs."""
 
     swept: Swept
     blind: float
     holds_depth: bool
+    least: float = 0.0  # m of water, where it goes by the floor
 
     def joined(self, other: Over) -> Over:
         one, two = self.swept, other.swept
         depth = (min(one.depth[0], two.depth[0]), max(one.depth[1], two.depth[1]))
         body = hull((*one.body, *two.body))
         swept = Swept(body, max(one.margin, two.margin), depth)
-        return Over(swept, max(self.blind, other.blind), self.holds_depth)
+        return Over(swept, max(self.blind, other.blind), self.holds_depth, self.least)
 
 
 @dataclass(frozen=True, slots=True)
@@ -167,13 +169,16 @@ def _refused(path: str, ground: Ground, over: Over, chart: Chart) -> Iterator[tu
     if ground.shallowest is None or ground.deepest is None or chart.state(path).leg is None:
         return
     assumed, deep = dict(chart.mission.assume).get("floor"), over.swept.depth[1]
+    wet, off = ground.shallowest > 0.0, "lead it farther off"
+    what = f"a sea floor at {ground.shallowest:.1f} m ({{at}})" if wet else "land ({at})"
     if over.holds_depth and deep > ground.shallowest:
-        yield (
-            "grounding",
-            f"{{legs}} may be {deep:.1f} m deep over a sea floor at "
-            f"{ground.shallowest:.1f} m ({{at}})",
-            "stay shallower or farther off, keep an altitude, or take fixes on the way",
-        )
+        instead = "stay shallower or farther off, keep an altitude" if wet else off
+        message = f"{{legs}} may be {deep:.1f} m deep over {what}"
+        yield "grounding", message, f"{instead}, or take fixes on the way"
+    elif over.least and over.least > ground.shallowest:
+        instead = off + ", keep less altitude" * wet
+        message = f"{{legs}} may be over {what}: kept above the floor, no depth is left to hold"
+        yield "grounding", message, f"{instead}, or take fixes on the way"
     if assumed is not None and ground.deepest > assumed:
         yield (
             "floor",

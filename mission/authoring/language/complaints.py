@@ -357,6 +357,10 @@ def _no_operator(misfit: _Misfit, part: str) -> Complaint:
     if _NUMBER_WORD.fullmatch(part):
         hint = f"write {before} >= {part}"
         return misfit.says("comparison", "a comparison needs < <= > or >=", hint)
+    if before in VARIABLES and part in elsewhere.TREND:
+        word = elsewhere.TREND[part]
+        hint = f"write {word}, for instance {before} {word} 2 within 5 m"
+        return misfit.says("unknown-word", f"unknown word {part!r}", hint)
     example = "battery < 11" if before == "battery" else f"{before} >= 1"
     message, hint = f"{before!r} is compared with nothing", f"write for instance {example}"
     return Complaint("comparison", start, len(before), message, hint)

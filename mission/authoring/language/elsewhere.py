@@ -65,6 +65,12 @@ LEG: Mapping[str, str] = MappingProxyType(
 CONTROL = frozenset({"if", "loop", "repeat", "then", "when", "while"})  # never a leg's name in YAML
 GROUP = "- name: {repeat: 3, legs: [...]}"
 
+TREND: Mapping[str, str] = MappingProxyType(  # behind a variable
+    {
+        **dict.fromkeys(("decreases", "drop", "drops", "fall", "sinks"), "falls"),
+        **dict.fromkeys(("climbs", "grows", "increases", "jumps", "rise"), "rises"),
+    }
+)
 SAFETY: Mapping[str, str] = MappingProxyType(
     {
         "battery": "voltage 11",

@@ -35,11 +35,14 @@ def page(plan: Plan) -> bytes:
     drawn = drawn[drawn.index("<svg") :]
     lines = "".join(
         f"<tr><td>{escape(leg.name)}</td><td>{minutes(leg.begin)}</td><td>{minutes(leg.end)}</td>"
-        f"<td>{radius:.0f} m</td>{_water(plan, leg)}</tr>"
+        f"<td>{_metres(leg.expected)}</td><td>{radius:.0f} m</td>{_water(plan, leg)}</tr>"
         for leg, radius in rows(plan)
     )
     water = "" if plan.clearance is None else "<th>least water under it</th>"
-    head = "<th>leg</th><th>begins</th><th>ends</th><th>95 % within, at its end</th>" + water
+    head = (
+        "<th>leg</th><th>begins</th><th>ends</th><th>95 % of dives within, on it (check)</th>"
+        f"<th>95 % by its own estimate, at its end</th>{water}"
+    )
     table = f"<table><tr>{head}</tr>{lines}</table>"
     title = escape(plan.mission)
     return (
@@ -53,6 +56,10 @@ def _water(plan: Plan, leg: Stretch) -> str:
     if plan.clearance is None:
         return ""
     return "<td>not known</td>" if leg.water is None else f"<td>{leg.water:.1f} m</td>"
+
+
+def _metres(value: float | None) -> str:
+    return "" if value is None else f"{value:.0f} m"
 
 
 def geojson(plan: Plan) -> bytes:
@@ -76,6 +83,8 @@ def _features(plan: Plan, frame: LocalFrame) -> Iterator[dict[str, Any]]:
         told = {"leg": leg.name, "begin_s": round(leg.begin, 1), "end_s": round(leg.end, 1)}
         line = [_degrees((s.north, s.east), frame, s.depth) for s in leg.spots]
         water = {} if leg.water is None else {"water_m": round(leg.water, 2)}
+        if leg.expected is not None:
+            told["expected_m"] = round(leg.expected, 1)
         if len(line) > 1:
             yield _feature("LineString", line, {"is": "track", **told, **water})
         if leg.area:

@@ -48,7 +48,7 @@ def picture(plan: Plan, format_: str) -> bytes:
         under = "" if plan.clearance is None else f",\nleast water under it {_water(plan)}"
         figure.suptitle(
             f"{plan.mission}: planned, {minutes(plan.seconds)} min in still water, "
-            f"95 % within {widest:.0f} m at worst{under}",
+            f"95 % within {widest:.0f} m at worst by its own estimate{under}",
             fontsize=11,
         )
         metadata = {"Date": None} if format_ == "svg" else None
@@ -83,7 +83,7 @@ def _plan_view(axes: Axes, plan: Plan) -> None:
         axes.plot([s.east for s in leg.spots], [s.north for s in leg.spots], color=_colour(index),
                   lw=2.2, solid_capstyle="round", label=f"{index + 1}  {leg.name}")  # fmt: skip
     axes.plot(0.0, 0.0, marker="*", markersize=14, color=_INK, ls="", label="home")
-    axes.plot([], [], color=_BAND, lw=0.8, label="where it may be, 95 %")
+    axes.plot([], [], color=_BAND, lw=0.8, label="where it may be, 95 %, by its own estimate")
     axes.set_aspect("equal", adjustable="datalim")
     _draw_radius(axes, plan.radius)
     for fence in plan.fences:

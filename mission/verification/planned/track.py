@@ -1,7 +1,9 @@
 """The planned track: the mission flown once in still water.
 
 The product itself flies it, so that every leg, guard and fix is as at sea, and the uncertainty is
-what the vehicle's own estimate will say. Nothing is disturbed: the way that is drawn is the way
+what the vehicle's own estimate will say: with the current of the vehicle file, whatever the mission
+assumes. What dives in the current that is assumed come to is the check's to expect, and told beside
+it. Nothing is disturbed: the way that is drawn is the way
 that is meant. The sea floor is the one that the mission assumes, or that of a file of depths.
 
     Unplanned         (the author must act: the mission does not come to its end in still water)
@@ -19,11 +21,12 @@ from links.simulated.sensors import SensorErrors
 from links.simulated.settings import Settings
 from mission.authoring.bathymetry import Depths
 from mission.authoring.check.fenced import fenced
+from mission.authoring.check.outlook import TooManyError, outlooks
 from mission.authoring.check.places import local_of, pattern_of, places_of
 from mission.engine.areas import Fence
 from mission.legs import Follow, Loiter
 from mission.legs.base import Point
-from mission.model import Leg, LegKind, Mission, Position, State
+from mission.model import IMPLICIT_SURFACE, Leg, LegKind, Mission, Position, State
 from mission.model.chart import Chart
 from mission.model.vehicle import Vehicle
 from mission.navigation.distribution import PLANE_95
@@ -72,6 +75,7 @@ class Stretch:
     spots: tuple[Spot, ...]
     turns: tuple[Spot, ...]
     area: tuple[Point, ...]  # its outline, m from home; empty where it has none
+    expected: float | None = None  # m that 95 % of dives stay within on it, as the check expects
 
     @property
     def water(self) -> float | None:
@@ -88,6 +92,7 @@ class Plan:
     stretches: tuple[Stretch, ...]
     fences: tuple[Fence, ...] = ()
     clearance: Clearance | None = None  # the least water under it; where a file knows the floor
+    unflown: tuple[str, ...] = ()  # legs that no way led to in still water
 
 
 @dataclass(frozen=True, slots=True)
@@ -118,14 +123,35 @@ def planned(mission: Mission, chart: Chart, vehicle: Vehicle, depths: Depths | N
     flight = fly(mission, vehicle, settings=_still(mission, depths))
     ground = _Ground(LocalFrame(mission.home) if mission.home is not None else None, depths)
     legs = {state.path.partition("/")[2]: state for state in chart.states if state.leg}
-    stretches = tuple(_stretches(flight, legs, ground))
+    expects = _expected(mission, vehicle)
+    stretches = tuple(
+        replace(leg, expected=expects.get(leg.name.partition("#")[0]))
+        for leg in _stretches(flight, legs, ground)
+    )
     near = ground.clearance(stretches)
     if flight.outcome != "completed":
         under = "" if near is None else f"; {near.told}"
         raise Unplanned(f"in still water it is not completed: {flight.reason}{under}")
     radius = min(vehicle.limits.radius, mission.safety.radius or math.inf)
     seconds, fences = flight.mission_time, fenced(mission)
-    return Plan(mission.name, mission.home, radius, seconds, stretches, fences, near)
+    flown = {leg.name.partition("#")[0] for leg in stretches}
+    own = (name for name in legs if legs[name].path != IMPLICIT_SURFACE)
+    unflown = tuple(name for name in own if name not in flown)
+    return Plan(mission.name, mission.home, radius, seconds, stretches, fences, near, unflown)
+
+
+def _expected(mission: Mission, vehicle: Vehicle) -> dict[str, float]:
+    """m by the name of a leg, or of a row of one: of rounds the worst."""
+    try:
+        surveys, legs, _ = outlooks(mission, vehicle)
+    except TooManyError:
+        return {}
+    rows = {
+        f"{path}/row{number}": error
+        for path, survey in surveys.items()
+        for number, error in enumerate(survey.errors, 1)
+    }
+    return legs | rows
 
 
 def _still(mission: Mission, depths: Depths | None) -> Settings:

@@ -16,6 +16,8 @@ from mission.authoring.importing.places import beside
 from mission.authoring.prepare import Prepared, prepare_text
 from mission.model import Chart
 from mission.model.vehicle import Vehicle
+from mission.onboard.runtime.mission_validator import MissionValidator
+from mission.onboard.uncollected import uncollected
 from mission.verification.rehearsing.sea import drawn
 from mission.verification.simulation.coverage import Coverage, coverage_of
 from mission.verification.simulation.flight import fly
@@ -89,15 +91,21 @@ def rehearsed(
 
 
 def _one(job: Job) -> Flown:
-    prepared = _prepared(job.text, job.source, job.vehicle, job.parameters)
+    with uncollected():  # until the flight is gone with all that it made
+        return _flown(job)
+
+
+def _flown(job: Job) -> Flown:
+    prepared, judge = _prepared(job.text, job.source, job.vehicle, job.parameters)
     mission, vehicle = prepared.mission, prepared.vehicle
     settings = drawn(mission, vehicle, job.seed, job.number)
     sea, depths = parse_settings(settings), _depths(job.bathymetry)
     if depths is not None:
         sea = over(sea, mission, depths)
-    flight = fly(mission, vehicle, seed=job.seed + job.number, settings=sea)
+    flight = fly(mission, vehicle, seed=job.seed + job.number, settings=sea, judge=judge)
     near = None if depths is None else clearance(flight, mission, depths)
     last = flight.track[-1] if flight.track and flight.at_surface else None
+    covered = coverage_of(flight, mission)
     return Flown(
         number=job.number,
         settings=settings,
@@ -106,10 +114,10 @@ def _one(job: Job) -> Flown:
         time=flight.mission_time,
         energy=energy_of(flight, prepared.chart, vehicle),
         error=max((sample.error for sample in flight.samples), default=0.0),
-        coverage=coverage_of(flight, mission),
+        coverage=covered,
         surfaced=(last.north, last.east) if last is not None else None,
         near=_near(flight, prepared),
-        achieved=achieved_by(flight, mission),
+        achieved=achieved_by(flight, mission, covered),
         bathymetry=job.bathymetry,
         clearance=None if near is None else near.least,
     )
@@ -123,8 +131,10 @@ def _depths(path: str) -> Depths | None:
 @functools.lru_cache(maxsize=1)
 def _prepared(
     text: str, source: str, vehicle: str | None, parameters: tuple[tuple[str, str], ...]
-) -> Prepared:
-    return prepare_text(text, source, vehicle, dict(parameters), beside(Path(source)))
+) -> tuple[Prepared, MissionValidator]:
+    """Once for all flights of a worker, as the verdict that the vehicle comes to on board."""
+    found = prepare_text(text, source, vehicle, dict(parameters), beside(Path(source)))
+    return found, MissionValidator(found.vehicle)
 
 
 def energy_of(flight: Flight, chart: Chart, vehicle: Vehicle) -> float:

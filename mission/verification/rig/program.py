@@ -20,6 +20,7 @@ from mission.model import Estimate, Step, Tx
 from mission.model.vehicle import Vehicle
 from mission.navigation import Navigation
 from mission.onboard.configuration import Configuration
+from mission.onboard.runtime.mission_validator import MissionValidator
 from mission.onboard.runtime.records import Recorder
 from mission.onboard.runtime.runtime import Runtime
 from mission.onboard.store import MemoryStore, Stored, StoreError
@@ -60,7 +61,8 @@ class FillableStore(MemoryStore):
 
 class Program:
     """``wall`` is the wall clock at the rig's time 0, s since 1970 UTC. ``recorder`` is called once
-    for each life. It tells nobody what it does until somebody listens."""
+    for each life; ``judge`` that of all lives, None: each has its own. It tells nobody what it
+    does until somebody listens."""
 
     def __init__(
         self,
@@ -69,8 +71,9 @@ class Program:
         wall: float,
         recorder: Callable[[], Recorder | None] = lambda: None,
         configuration: Configuration | None = None,
+        judge: MissionValidator | None = None,
     ) -> None:
-        self._vehicle, self.store, self._wall = vehicle, store, wall
+        self._vehicle, self.store, self._wall, self._judge = vehicle, store, wall, judge
         self._configuration = configuration or Configuration()
         self._recorder = recorder
         self._tell_step: Callable[[Step], None] = lambda step: None
@@ -103,6 +106,8 @@ class Program:
                     wall=wall,
                     observer=self,
                 )
+        if self._judge is not None:
+            self.runtime.judge = self._judge
         self._navigation_due = now + navigation_after
 
     def kill(self) -> None:

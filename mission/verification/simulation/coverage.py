@@ -9,10 +9,13 @@ says is what the vehicle would report; what is true is what the author brings ho
 
 from __future__ import annotations
 
+import functools
 import math
+from bisect import bisect_left
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import Any
 
 from mission.authoring.check.places import pattern_of
 from mission.legs.base import Point
@@ -63,23 +66,37 @@ def seen(
     """The share of the area that was seen from the places of the samples of each run."""
     import numpy as np
 
-    long, wide = (axis[1] - axis[0] for axis in (pattern.along, pattern.across))
-    cell = max(max(long, wide) / _CELLS, min(pattern.swath / _FINE, 1.0))
-    along = (np.arange(max(1, int(long / cell))) + 0.5) * cell + pattern.along[0]
-    across = (np.arange(max(1, int(wide / cell))) + 0.5) * cell + pattern.across[0]
+    along, across, area = _cells(pattern)
+    starts = along.tolist()
     grid = np.zeros((len(along), len(across)), dtype=bool)
     for run in runs:
         for (a, b), (c, d) in pairwise(pattern.framed(place(s)) for s in run):
             if abs(c - a) <= abs(d - b):
                 continue
-            between = (along >= min(a, c)) & (along < max(a, c))
-            middle = b + (d - b) * (along[between] - a) / (c - a)
-            grid[between] |= np.abs(across[None, :] - middle[:, None]) <= pattern.swath / 2.0
-    if pattern.whole:
+            first, last = bisect_left(starts, min(a, c)), bisect_left(starts, max(a, c))
+            if first == last:
+                continue
+            middle = b + (d - b) * (along[first:last] - a) / (c - a)
+            grid[first:last] |= np.abs(across - middle[:, None]) <= pattern.swath / 2.0
+    if area is None:
         return float(grid.mean())
-    outline = [pattern.framed(corner) for corner in pattern.outline]
-    area = np.array([[inside(outline, (a, b)) for b in across] for a in along])
     return float(grid[area].mean()) if area.any() else 0.0
+
+
+@functools.lru_cache(maxsize=8)
+def _cells(pattern: Pattern) -> tuple[Any, Any, Any]:
+    """The middles of the cells along the rows and across them, m; which of them (along x across)
+    lie in the area, None: all. The rows of many flights are the same."""
+    import numpy as np
+
+    long, wide = (axis[1] - axis[0] for axis in (pattern.along, pattern.across))
+    cell = max(max(long, wide) / _CELLS, min(pattern.swath / _FINE, 1.0))
+    along = (np.arange(max(1, int(long / cell))) + 0.5) * cell + pattern.along[0]
+    across = (np.arange(max(1, int(wide / cell))) + 0.5) * cell + pattern.across[0]
+    if pattern.whole:
+        return along, across, None
+    outline = [pattern.framed(corner) for corner in pattern.outline]
+    return along, across, np.array([[inside(outline, (a, b)) for b in across] for a in along])
 
 
 def is_of(name: str, path: str) -> bool:

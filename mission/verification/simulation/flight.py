@@ -27,6 +27,7 @@ from mission.verification.simulation.flightlog import Flight, FlightEnd, FlightL
 
 if TYPE_CHECKING:
     from mission.model.vehicle import Vehicle
+    from mission.onboard.runtime.mission_validator import MissionValidator
     from mission.onboard.runtime.records import Recorder
 
 Home = tuple[float, float]  # latitude, longitude
@@ -46,13 +47,17 @@ def fly(
     said: Sequence[Cue] = (),
     lines: Sequence[str] | None = None,
     stored: Stored | None = None,
+    judge: MissionValidator | None = None,
 ) -> Flight:
     """``profile`` picks the dialect and the firmware together; "": the vehicle file does.
     ``settings`` are the sea and its faults; ``said`` is what the operator sends beside upload and
-    start; ``lines`` go up instead of the mission's own script."""
+    start; ``lines`` go up instead of the mission's own script; ``judge`` may know them from an
+    earlier flight of this vehicle."""
     flown = in_dialect(vehicle, profile)
     sea = simulated(flown, seed, settings, position=home_of(mission))
-    program = Program(flown, FillableStore(stored), START.timestamp(), lambda: recorder)
+    program = Program(
+        flown, FillableStore(stored), START.timestamp(), lambda: recorder, judge=judge
+    )
     operator = Operator(lines or script(mission), digest(mission), said)
     with uncollected():  # the collector finds nothing: tests/bench/bench_tricks.py
         flight = _Flight(mission, sea, program, operator)

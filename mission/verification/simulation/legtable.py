@@ -24,8 +24,8 @@ def table(flight: Flight, chart: Chart) -> str:
 
 
 def _brought(flight: Flight, mission: Mission) -> list[str]:
-    seen = told(coverage_of(flight, mission))
-    return [*seen, *reaching.told(reaching.achieved_by(flight, mission))]
+    covered = coverage_of(flight, mission)
+    return [*told(covered), *reaching.told(reaching.achieved_by(flight, mission, covered))]
 
 
 def _figures(flight: Flight) -> list[str]:

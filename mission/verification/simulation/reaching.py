@@ -12,7 +12,7 @@ from typing import Any
 
 from mission.legs.purposes import purposes
 from mission.model import Aims, Mission
-from mission.verification.simulation.coverage import coverage_of, is_of
+from mission.verification.simulation.coverage import Coverage, coverage_of, is_of
 from mission.verification.simulation.flightlog import Flight
 
 _UNIT = {"coverage": (100.0, "%"), "position": (1.0, "m")}
@@ -36,9 +36,13 @@ class Achieved:
         )
 
 
-def achieved_by(flight: Flight, mission: Mission) -> tuple[Achieved, ...]:
-    """For each leg that is to achieve something, in the mission's order."""
-    seen = {one.leg: one.true for one in coverage_of(flight, mission)}
+def achieved_by(
+    flight: Flight, mission: Mission, covered: Iterable[Coverage] | None = None
+) -> tuple[Achieved, ...]:
+    """For each leg that is to achieve something, in the mission's order. ``covered``: what
+    ``coverage_of`` has found already of this flight."""
+    found = coverage_of(flight, mission) if covered is None else covered
+    seen = {one.leg: one.true for one in found}
     return tuple(
         Achieved(path, tuple(sorted(aims.items())), tuple(_figures(flight, path, seen, aims)))
         for path, _, aims in purposes(mission)

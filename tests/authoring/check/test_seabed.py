@@ -77,6 +77,30 @@ def test_a_leg_that_keeps_an_altitude_is_not_refused_for_a_bank() -> None:
     assert ground(report, "out").shallowest == 5.0
 
 
+GUARDED = OVER.replace("depth 6", "depth 6 never below altitude 2")
+
+
+@pytest.mark.parametrize(("leg", "least"), [(GUARDED, 3.0), (RISING, 3.0)])
+def test_a_leg_kept_above_a_floor_that_leaves_no_depth_to_hold_is_refused_with_its_place(
+    leg: str, least: float
+) -> None:
+    assert judged(leg, depths(least)).ok
+    (refusal,) = judged(leg, depths(least - 0.1)).refusals
+    assert (refusal.code, refusal.where.line) == ("grounding", 5)
+    floor = f"out may be over a sea floor at {least - 0.1:.1f} m (30.28"
+    assert refusal.message.startswith(floor)
+    assert "no depth is left to hold" in refusal.message
+    assert "keep less altitude" in refusal.hint
+
+
+@pytest.mark.parametrize("leg", [OVER, GUARDED, RISING])
+def test_land_under_a_leg_is_called_so_and_no_shallower_leg_is_proposed(leg: str) -> None:
+    (refusal,) = judged(leg, depths(-4.0)).refusals
+    assert refusal.code == "grounding"
+    assert "over land (30.28" in refusal.message
+    assert refusal.hint == "lead it farther off, or take fixes on the way"
+
+
 def test_without_a_file_nothing_is_said_of_the_floor() -> None:
     report = judged(OVER, None)
     assert report.ok
