@@ -53,8 +53,10 @@ def afloat(
     return items
 
 
-def found(**how: float | None) -> tuple[float, float, float]:
-    logs = [afloat(seed, **how) for seed in range(8)]
+def found(
+    along: float = 0.0, across: float = 0.0, velocity: float | None = 0.05
+) -> tuple[float, float, float]:
+    logs = [afloat(seed, velocity=velocity, along=along, across=across) for seed in range(8)]
     done = motion([course for log in logs for course in courses(log, AUV)])
     assert done is not None
     return done.along, done.across, done.sure
