@@ -70,7 +70,6 @@ MODULES = (
     "mission.onboard.runtime.relays",
     "mission.onboard.runtime.runtime",
     "mission.onboard.runtime.situation",
-    "mission.onboard.runtime.timers",
     "mission.verification.rig.lockstep",
     "mission.verification.rig.program",
     "mission.verification.rig.rehearsal",

@@ -52,7 +52,6 @@ from mission.onboard.runtime.receivers import RECEIVERS, Receivers
 from mission.onboard.runtime.resume_marker import ResumeMarker
 from mission.onboard.runtime.situation import Situation
 from mission.onboard.runtime.standing import StandingChanges
-from mission.onboard.runtime.timers import earliest, is_due
 from mission.onboard.runtime.wallclock import WallClock
 from mission.onboard.store import Store, StoreError, WatchedStore
 from protocol.added import AddedDecoder
@@ -122,7 +121,6 @@ class Runtime:
         self._standing = None if recorder is None else StandingChanges(recorder)
         self._out, self._refused = list[Tx](), list[Outcome]()  # refused: it has no word for it
         self._begin()
-        self._due = self._next_due()
         if navigation is not None:
             self.set_navigation(navigation, 0.0)
 
@@ -135,10 +133,7 @@ class Runtime:
         if rx.link == VEHICLE:
             self._from_vehicle(self._codec.receive(rx.data, rx.t), now)
         elif rx.link in RECEIVERS:
-            heard = self._gps.receive(rx)
-            if not heard and not is_due(self._due, now):
-                return []  # under water: nothing is new, and nothing waits for this instant
-            self._from_gps(heard, now, rx.link)
+            self._from_gps(self._gps.receive(rx), now, rx.link)
         elif rx.link == SENSORS:
             self._from_gps(self._added.receive(rx.data, rx.t), now, SENSORS)
         elif rx.link == NODES:
@@ -168,12 +163,12 @@ class Runtime:
         self._now = now = max(self._now, now)
         self._record(rec.input_record, now, rec.TIMER)
         self._marker.handle_timer(now)
-        if is_due(self._codec.next_timer(), now):
+        if _is_due(self._codec.next_timer(), now):
             self._from_vehicle(self._codec.flush(now), now)
         for link, heard in self._gps.flush(now):
             self._from_gps(heard, now, link)
         self._topside.handle_timer(now)
-        if is_due(self._engine.next_timer(), now):
+        if _is_due(self._engine.next_timer(), now):
             self._step(now, ())
         return self._leave(now)
 
@@ -197,12 +192,17 @@ class Runtime:
         return self._frontseat.next_timer() is None
 
     def next_timer(self) -> float | None:
-        return earliest(self._due, self._gps.next_timer(), self._engine.next_timer())
-
-    def _next_due(self) -> float | None:
-        """Of all but the receivers, whose bytes are the most, and the engine."""
-        line, channels = self._codec.next_timer(), self._topside.next_timer()
-        return earliest(self._marker.next_timer(), line, channels, self._frontseat.next_timer())
+        first = self._marker.next_timer()
+        for due in (
+            self._codec.next_timer(),
+            self._gps.next_timer(),
+            self._topside.next_timer(),
+            self._frontseat.next_timer(),
+            self._engine.next_timer(),
+        ):
+            if due is not None and (first is None or due < first):
+                first = due
+        return first
 
     def foresee(self, rx: Rx) -> tuple[str, ...]:
         """The lines that these bytes would complete to a mission, () if to none: to be given to
@@ -310,7 +310,6 @@ class Runtime:
             self._standing.follow(now, self._engine, self.commander.peer, self.digest)
         for tx in out:
             self._record(rec.tx_record, tx)
-        self._due = self._next_due()
         return out
 
     # --- what the operator server asks (CommandTarget) ------------------------------------------
@@ -395,3 +394,7 @@ class Runtime:
     def _record(self, make: Callable[..., Record], *values: object) -> None:
         if self._recorder is not None:
             self._recorder.record(make(*values))
+
+
+def _is_due(timer: float | None, now: float) -> bool:
+    return timer is not None and timer <= now

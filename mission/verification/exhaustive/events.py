@@ -43,6 +43,8 @@ from protocol.messages import SetSafety
 from protocol.operator_words import WORDS
 from protocol.topside import encode
 
+PROVED = 9.0  # s: six of a shallow depth (R7), and the reports beside them
+
 # --- readings ------------------------------------------------------------------------------
 
 
@@ -295,7 +297,7 @@ def _ends(*, deep: bool) -> Play:
         world.put(world.deep if deep else SHALLOW)
         world.wait(8.5)
         world.end()
-        world.wait(1.0 if deep else STAYS_UP)  # whether it floats is seen first
+        world.wait(1.0 if deep else PROVED + STAYS_UP)  # whether it floats is seen first
 
     return script(play)
 

@@ -230,7 +230,7 @@ def test_a_byte_that_nobody_asked_for_is_seen(monkeypatch: pytest.MonkeyPatch) -
 
     def poll(self: Frontseat, now: float) -> tuple[list[Tx], list[object]]:
         sent, outcomes = honest(self, now)
-        extra = [Tx(now, "vehicle", b"@ZAX0$", "every 5 s")] if 90.0 <= now < 92.0 else []
+        extra = [Tx(now, "vehicle", b"@ZAX0$", "every 5 s")] if int(now) == 90 else []
         return [*sent, *extra], list(outcomes)
 
     monkeypatch.setattr(Frontseat, "poll", poll)
