@@ -45,7 +45,6 @@ from mission.verification.rig.trace import Done, Heard, Said, Told, Trace
 SAME = 1e-3  # s
 TRACES = 30.0  # s for which a fault that is over may still be felt
 _LOOKS_WELL = ("stuck", "drifting", "late", "too_")
-WRONG_DEPTHS = tuple(f"depth_{kind}" for kind in _LOOKS_WELL)
 _LEAP = 3.0  # m: 2 m/s from one report to the next (R5), and noise
 _POWER = b"@RS"
 _AFLOAT, _SHOWN = 0.5, 25.0  # m and s: the first fix, 10 s of them, and the window before

@@ -40,7 +40,7 @@ from mission.model.regions import EMERGENCY, MANUAL
 from mission.verification.campaign.audit import commands_of, moves
 from mission.verification.campaign.laws import Violation
 from mission.verification.campaign.reports import Report
-from mission.verification.campaign.story import SAME, STOP_WORD, WRONG_DEPTHS, Stay, Story
+from mission.verification.campaign.story import SAME, STOP_WORD, Stay, Story
 from mission.verification.campaign.surface_laws import UNLAWFUL
 from mission.verification.campaign.trial import AUTO_NODE, fault_ends
 from mission.verification.rig.acts import MODEM, TOPSIDE, Act
@@ -231,9 +231,9 @@ def _ends_on_its_way_up(story: Story) -> Iterator[Violation]:
 
 
 def _floats_up_unseen(story: Story, gone: float) -> bool:
-    """A depth that is wrong and looks well showed the surface, and it is on its way there."""
+    """A clogged port showed the surface, and it is on its way there."""
     rises = story.depth(gone - 5.0) - story.depth(gone) > _RISES
-    return rises and story.faulty(WRONG_DEPTHS, gone, gone)
+    return rises and story.faulty(("depth_stuck",), gone, gone)
 
 
 def _has_word(story: Story, begin: float, end: float) -> bool:
