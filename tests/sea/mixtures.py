@@ -99,24 +99,18 @@ def yesterday(world: World) -> Steps:
     yield from world.rest(200)
 
 
-def clogged_in_current(world: World) -> Steps:
-    """Asked for 8 m: the port closes at 6.5 m, in a current; the receiver tells of two places."""
-    yield from go(world, mission(8, 10))
-    yield from world.until(lambda: world.body.depth > 6.5, 120)
-    world.board.senses.depth = faults.clogged(6.5, world.seed)
-    yield from world.wait(25)
-    world.mark("due")
-    yield from world.rest(230)
+def clogged(at: float, seen: float, stay: float) -> Script:
+    """Asked for 8 m: the port closes at that depth, and is to be noticed in so many seconds."""
 
+    def script(world: World) -> Steps:
+        yield from go(world, mission(8, 10))
+        yield from world.until(lambda: world.body.depth > at, 120)
+        world.board.senses.depth = faults.clogged(at, world.seed)
+        yield from world.wait(seen)
+        world.mark("due")
+        yield from world.rest(stay)
 
-def clogged_as_it_dives(world: World) -> Steps:
-    """The port closes as the hull goes under; the receiver tells its last places on, as if afloat."""
-    yield from go(world, mission(8, 10))
-    yield from world.until(lambda: world.body.depth > 0.4, 60)
-    world.board.senses.depth = faults.clogged(0.4, world.seed)
-    yield from world.wait(40)
-    world.mark("due")
-    yield from world.rest(260)
+    return script
 
 
 def late_node(world: World) -> Steps:
@@ -272,7 +266,7 @@ SCENES: tuple[Scene, ...] = (
     Scene(
         "clogged-in-current",
         "full push for 20 s moves no depth",
-        clogged_in_current,
+        clogged(6.5, 25, 230),
         BACK,
         body={"current": (0.2, -0.15), "buoyancy": 4.0},
         world={"receiver_mode": "alternating"},
@@ -281,7 +275,7 @@ SCENES: tuple[Scene, ...] = (
         Scene(
             f"clogged-as-it-dives-{mode}",
             "places said again are none; full push for 20 s moves no depth",
-            clogged_as_it_dives,
+            clogged(0.4, 40, 260),
             BACK,
             world={"receiver_mode": mode},
         )
