@@ -22,11 +22,10 @@ from statistics import median
 
 import numpy as np
 
-from mission.analysis.adrift import Drift, drift, with_drift
 from mission.analysis.courses import KEPT, Inputs, Motion, courses, motion
 from mission.analysis.floating import Rise, rise_of
-from mission.analysis.missed import Stretch, compare, share_of, widened
-from mission.analysis.noise import of_velocity, sensed
+from mission.analysis.missed import Stretch, compare, trust
+from mission.analysis.noise import sensed
 from mission.analysis.pooling import FEW, Pooled, pool
 from mission.model import Position
 from mission.model.vehicle import Vehicle
@@ -42,6 +41,7 @@ _SAME_WATERS = 20_000.0  # m between two logs
 _DAY = 0.05  # m/s: no current is known better for another day
 _TAUGHT = 0.5  # of the width at which a log may look: what it knows worse it does not know
 _NEXT = 1.5  # s between two fixes of which one is soon after the other
+_DIVES = 4  # so many may narrow the figures; any may widen them
 
 
 class CalibrationError(ValueError):
@@ -97,7 +97,6 @@ class Calibrated:
     copies: tuple[tuple[int, int], ...] = ()  # logs that were left out, and of which they are
     waters: Position | None = None  # where the current was found
     trusted: float = 1.0  # what moves a position was multiplied by, after the dives
-    drift: Drift | None = None  # of the surface; None: no dive tells it
 
     def percent(self) -> tuple[float, float]:
         """Median error before and after, in % of distance."""
@@ -118,22 +117,19 @@ def calibrate(logs: Sequence[Inputs], vehicle: Vehicle) -> Calibrated:
     logs = [logs[i] for i in once]
     moved = motion([course for log in logs for course in courses(log, vehicle)])
     begun, quiet = _moving(vehicle, moved)
-    begun, silent = _afloat(begun, logs)
     taught = [_information(log, begun) for log in logs]
-    adrift = drift(logs, _tried(begun, vehicle, taught))
-    if adrift is not None:
-        begun = with_drift(begun, adrift.share)
-        taught = [_information(log, begun) for log in logs]
     fit = _fit(begun, vehicle, taught)
     done, unheard = sensed(fit.vehicle, logs, [s for t in taught for s in t.squares])
     held_out = len(logs) > 1
     stretches: list[Stretch] = []
-    for i, tried in enumerate(_tried(begun, vehicle, taught)):
-        stretches += compare(once[i], logs[i], vehicle, tried)
+    for i, log in enumerate(logs):
+        others = [t for j, t in enumerate(taught) if j != i]
+        tried = _fit(begun, vehicle, others).vehicle if held_out else fit.vehicle
+        stretches += compare(once[i], log, vehicle, tried)
     learned = not quiet or any(lesson.taken for lesson in fit.lessons)
-    share = share_of(stretches, proves=held_out or not learned)
+    share = _share(stretches, proves=held_out or not learned)
     rise = rise_of(logs, vehicle.sensors.depth)
-    done = widened(done, share)
+    done = _widened(done, share)
     if rise is not None:
         done = replace(done, ascent_buoyancy=rise.at_least, ascent_measured=rise.day)
     return Calibrated(
@@ -142,13 +138,12 @@ def calibrate(logs: Sequence[Inputs], vehicle: Vehicle) -> Calibrated:
         stretches=tuple(stretches),
         held_out=held_out,
         lessons=fit.lessons,
-        unheard=(*unheard, *quiet, *silent),
+        unheard=(*unheard, *quiet),
         rise=rise,
         apart=tuple((once[i], name) for i, name in fit.apart),
         copies=copies,
         waters=taught[-1].origin,
         trusted=share,
-        drift=adrift,
     )
 
 
@@ -182,20 +177,33 @@ def _moving(vehicle: Vehicle, moved: Motion | None) -> tuple[Vehicle, tuple[str,
     return replace(vehicle, calibration=known), ()
 
 
-def _afloat(vehicle: Vehicle, logs: Sequence[Inputs]) -> tuple[Vehicle, tuple[str, ...]]:
-    """With the noise of the receiver's speed and course; what is not taught of it."""
-    noise = of_velocity(logs)
-    if noise is None:
-        return vehicle, ("fix_velocity",)
-    return replace(vehicle, calibration=replace(vehicle.calibration, fix_velocity=noise)), ()
+def _share(stretches: Sequence[Stretch], *, proves: bool) -> float:
+    """``proves``: nothing that moves a position was learned from those dives. Else, or where they
+    are few, it never narrows."""
+    share = trust([s.miss for s in stretches])
+    return share if proves and len(stretches) >= _DIVES else max(share, 1.0)
 
 
-def _tried(begun: Vehicle, vehicle: Vehicle, taught: Sequence[_Information]) -> list[Vehicle]:
-    """What reckons each log: fitted to the others, if there are any."""
-    if len(taught) == 1:
-        return [_fit(begun, vehicle, taught).vehicle]
-    others = [[t for t in taught if t is not own] for own in taught]
-    return [_fit(begun, vehicle, each).vehicle for each in others]
+def _widened(vehicle: Vehicle, share: float) -> Vehicle:
+    """All that moves a position ``share`` times as far off."""
+    known = vehicle.calibration
+    current = vehicle.current if known.current_sigma is None else known.current_sigma
+    if share == 1.0:
+        return vehicle
+    return replace(
+        vehicle,
+        sensors=replace(vehicle.sensors, heading_bias=share * vehicle.sensors.heading_bias),
+        calibration=replace(
+            known,
+            speed_scale_sigma=share * known.speed_scale_sigma,
+            speed_noise=share * known.speed_noise,
+            sway_noise=share * known.sway_noise,
+            deviation_sigma=share * known.deviation_sigma,
+            compass_wander=share * known.compass_wander,
+            current_sigma=share * current,
+            surface_drift=share * known.surface_drift,
+        ),
+    )
 
 
 # --- fit -----------------------------------------------------------------------------------------

@@ -135,7 +135,6 @@ class Calibration:
     current: tuple[float, float] = (0.0, 0.0)
     current_sigma: float | None = None
     surface_drift: float = 0.03  # m/s per axis, by wind and waves
-    fix_velocity: float = 0.1  # m/s per axis, of a receiver's speed and course
 
 
 @dataclass(frozen=True, slots=True)

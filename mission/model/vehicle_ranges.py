@@ -91,7 +91,6 @@ RANGES: Mapping[str, Range] = MappingProxyType(
         "calibration.compass_wander_time": _TIME,
         "calibration.current_sigma": _FLOW,
         "calibration.surface_drift": _FLOW,
-        "calibration.fix_velocity": Range("m/s", 0.001, 5),
         "calibration.deviation.sin1": _HARMONIC,
         "calibration.deviation.cos1": _HARMONIC,
         "calibration.deviation.sin2": _HARMONIC,

@@ -100,7 +100,6 @@ def figures(vehicle: Vehicle) -> Figures:
         rate=Markov(0.12, 200.0),
         depth=sensors.depth,
         altitude=sensors.altitude,
-        ground_velocity=known.fix_velocity,
     )
 
 
