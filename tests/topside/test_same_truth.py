@@ -160,9 +160,9 @@ class Scene:
 
 
 def _truth(told: Any, alarms: Any) -> Truth:
-    """A leg's state is its leg: @AE tells each by itself."""
+    """A leg's state is its leg: @AE tells each by itself. None: a question came to nothing."""
     names = frozenset(alarm["name"] for alarm in alarms)
-    state = re.sub("^autonomous/.*", "autonomous", told["state"])
+    state = re.sub("^autonomous/.*", "autonomous", told["state"] or "")
     return Truth(state, told["leg"] or "", told["setpoint"] or "", names)
 
 
