@@ -161,9 +161,16 @@ class Program:
     # --- as a runtime -----------------------------------------------------------------------------
 
     def receive(self, rx: Rx, now: float) -> list[Tx]:
-        if self._zero:
+        if self.runtime is None:
+            return []
+        if self._zero or self._leaves is not None:
             rx = rx._replace(t=max(rx.t - self._zero, 0.0))
-        return self._shifted(Runtime.receive, now, rx)
+            return self._shifted(Runtime.receive, now, rx)
+        try:
+            return self.runtime.receive(rx, now)  # as most often
+        except Died:
+            self.kill()
+            return []
 
     def connected(self, link: str, address: str, now: float) -> list[Tx]:
         return self._shifted(Runtime.connected, now, link, address)

@@ -5,7 +5,7 @@
     disturbances --> boats, modem, cable, disk, power, the program itself
 
 Every simulated flight is one of these; who flies it says what is disturbed and when it is over.
-What it saw stands in ``events``, in its order.
+What it saw stands in ``events``, in its order: what was heard and told only where it is ``judged``.
 
 What does not live here: what is disturbed (campaign.disturbances), when a flight is over and what
 came of it (simulation.flight, campaign.trial), what the exhaustive proof plays (exhaustive.world).
@@ -48,6 +48,8 @@ def _beside(sea: Simulated) -> Iterator[Link]:
 class Rig(LockStep):
     """``operator`` is at the boat, and begins at ``operator_from``; each answer to an answer takes
     him ``radio`` s, 0: none at all. ``program`` has been begun."""
+
+    judged = True  # by laws, which ask for all that was heard and told
 
     def __init__(
         self,
@@ -150,7 +152,7 @@ class Rig(LockStep):
         if self._held is not None:
             self._held.append(Disturbance(self.now, Act.SAY, rx.data, rx.link, rx.address))
             return
-        if rx.link == VEHICLE:
+        if self.judged and rx.link == VEHICLE:
             self.events.append(Heard(self.now, rx.data))
         self.send(self.program.receive(rx, self.now))
 
@@ -276,4 +278,5 @@ class Rig(LockStep):
         self.events.append(step)
 
     def told(self, estimate: Estimate) -> None:
-        self.events.append(Told(self.now, estimate))
+        if self.judged:
+            self.events.append(Told(self.now, estimate))
