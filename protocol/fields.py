@@ -103,10 +103,8 @@ class Number:
 
     def doubt(self, value: float) -> str | None:
         """What is wrong with a value: nan, inf, out_of_range, bad_enum."""
-        if value != value:
-            return "nan"
-        if value in (math.inf, -math.inf):
-            return "inf"
+        if value - value != 0:
+            return "nan" if value != value else "inf"
         if self.choices:
             return None if value in self.choices else FaultKind.BAD_ENUM
         if (self.low is not None and value < self.low) or (
@@ -321,14 +319,14 @@ class BinaryFrame(FrameType):
         values: Values = {}
         flags: list[str] = []
         for item, stored in self._stored(raw):
-            if isinstance(item, Raw):
-                values[item.name] = stored.hex()
-            elif isinstance(item, Number):
-                value = item.value(stored)
+            if isinstance(item, Number):
+                values[item.name] = value = item.value(stored)
                 doubt = item.doubt(value)
                 if doubt is not None:
                     flags.append(f"{item.name}:{doubt}")
-                values[item.name] = None if doubt in ("nan", "inf") else value
+                    values[item.name] = None if doubt in ("nan", "inf") else value
+            elif isinstance(item, Raw):
+                values[item.name] = stored.hex()
         if self.flags:
             values["flags"] = flags
         if self.derive is not None:

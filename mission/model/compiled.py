@@ -1,9 +1,9 @@
 """Which modules mypyc may compile, and which of them are compiled where this program runs.
 
 Compiled code comes from the same sources and gives the same bytes; it is only quicker. The list has
-what an hour of flight spends its time in. Left to the interpreter: what swaps an object's class
-(``protocol.drafts``, ``protocol.vehicles.sd_stream``), what other classes inherit from (frames,
-codecs), and whatever runs once a flight.
+what an hour of flight spends its time in, and what a campaign's laws do. Left to the interpreter:
+what swaps an object's class (``protocol.drafts``, ``protocol.vehicles.sd_stream``), what other
+classes inherit from (frames, codecs), and whatever runs once a flight.
 
 What does not live here: how they are compiled (hatch_build.py).
 """
@@ -70,9 +70,19 @@ MODULES = (
     "mission.onboard.runtime.relays",
     "mission.onboard.runtime.runtime",
     "mission.onboard.runtime.situation",
+    "mission.verification.campaign.audit",
+    "mission.verification.campaign.excuses",
+    "mission.verification.campaign.laws",
+    "mission.verification.campaign.leg_laws",
+    "mission.verification.campaign.reports",
+    "mission.verification.campaign.story",
+    "mission.verification.campaign.trial",
+    "mission.verification.rig.lockstep",
     "mission.verification.rig.program",
     "mission.verification.rig.rehearsal",
+    "mission.verification.rig.rig",
     "mission.verification.rig.trace",
+    "mission.verification.simulation.flight",
     "mission.verification.simulation.flightlog",
     "protocol.checksum",
     "protocol.framing",

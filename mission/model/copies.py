@@ -52,6 +52,13 @@ def copied(whole: T, /, **given: Any) -> T:
     return other
 
 
+def held(whole: object) -> dict[str, Any]:
+    """By name, all that stands in its dictionary and its slots; a slot that is not set is left."""
+    slots = {name: getattr(whole, name) for name in slots_of(type(whole)) if hasattr(whole, name)}
+    own: dict[str, Any] = getattr(whole, "__dict__", {})
+    return own | slots
+
+
 def slots_of(kind: type) -> tuple[str, ...]:
     """The names of its slots; a compiled class has another table of them."""
     tables = [vars(base) for base in kind.__mro__]

@@ -249,6 +249,21 @@ def test_a_compiled_flight_with_faults_records_the_same_bytes(number: int, tmp_p
     assert pure == quick
 
 
+CELLS = """
+from mission.model.shipped import missions_folder
+from mission.verification.exhaustive.run import examine_ground, ground
+found = examine_ground(ground(missions_folder() / "first-dive.yaml", "as-built"), {every})
+print(found.as_json(), sorted(found.asked.items()))
+"""
+
+
+def test_a_sample_of_cells_gives_the_same_when_compiled() -> None:
+    """A world that is interpreted stands on a loop that is not: no flight does so."""
+    pure, quick = both(of=("-c", CELLS.format(every=60)))
+    assert pure == quick
+    assert pure.startswith("exit 0")
+
+
 @pytest.mark.proof
 def test_mypyc_takes_the_sources_as_they_are(tmp_path: Path) -> None:
     for name in PACKAGES:

@@ -35,8 +35,11 @@ KNOWN = SHIPPED[:2]
 
 
 @contextmanager
-def begun(call: list[str], folder: Path, path: str, word: bytes) -> Iterator[bytes]:
+def begun(
+    call: list[str], folder: Path, path: str, word: bytes, **settings: str
+) -> Iterator[bytes]:
     """A program of Dask's from when its log says ``word``: what follows that word on its line.
+    ``settings``: of Dask's own, as its environment says them.
 
     The program and its processes are ended with the block."""
     log = folder / f"{call[0]}{len(list(folder.iterdir()))}.log"
@@ -44,7 +47,7 @@ def begun(call: list[str], folder: Path, path: str, word: bytes) -> Iterator[byt
         process = subprocess.Popen(
             [sys.executable, "-m", f"distributed.cli.{call[0]}", *call[1:]],
             stdout=file, stderr=file, cwd=folder, start_new_session=True,
-            env={**os.environ, "PYTHONPATH": path},
+            env={**os.environ, "PYTHONPATH": path, **settings},
         )  # fmt: skip
 
     def told() -> list[bytes]:
@@ -67,12 +70,17 @@ def worker(address: str, folder: Path, tree: Path = ROOT, threads: int = 1) -> I
         yield
 
 
+@contextmanager
+def scheduling(folder: Path, **settings: str) -> Iterator[str]:
+    call = ["dask_scheduler", "--host", "127.0.0.1", "--port", "0", "--no-dashboard"]
+    with begun(call, folder, str(ROOT), b"Scheduler at", **settings) as rest:
+        yield rest.decode().partition("tcp://")[2].strip()
+
+
 @pytest.fixture(scope="module")
 def scheduler(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
-    call = ["dask_scheduler", "--host", "127.0.0.1", "--port", "0", "--no-dashboard"]
-    folder = tmp_path_factory.mktemp("scheduler")
-    with begun(call, folder, str(ROOT), b"Scheduler at") as rest:
-        yield rest.decode().partition("tcp://")[2].strip()
+    with scheduling(tmp_path_factory.mktemp("scheduler")) as address:
+        yield address
 
 
 @pytest.fixture(scope="module")
@@ -120,6 +128,20 @@ def test_a_worker_that_is_killed_costs_no_job(cluster: Place, tmp_path: Path) ->
 def test_a_job_that_kills_its_workers_is_told_by_its_name(cluster: Place) -> None:
     lost = among_squares(("dies", 0), cluster)
     assert lost == Lost("('dies', 0)", "4 workers died of it")
+
+
+UNFORGIVING = {"DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES": "0"}
+
+
+@pytest.mark.proof
+def test_of_jobs_beside_killers_none_but_the_killers_are_told(tmp_path: Path) -> None:
+    """The scheduler blames whatever waits at a worker that dies: here for its first death."""
+    jobs: list[Job] = [("dies_later" if n in (3, 9, 10) else "square", n) for n in range(18)]
+    with scheduling(tmp_path, **UNFORGIVING) as address, worker(address, tmp_path):
+        found = list(results(do, jobs, place(f"dask://{address}")))
+    lost = [Lost(str(job), "1 worker died of it") for job in jobs if job[0] != "square"]
+    assert [it for it in found if isinstance(it, Lost)] == lost
+    assert [it for it in found if it not in lost] == [do(j) for j in jobs if j[0] == "square"]
 
 
 @pytest.mark.proof
@@ -174,6 +196,22 @@ def test_a_worker_that_joins_later_with_another_program_does_no_job(
     first = next(found)
     with worker(cluster.address, tmp_path, tree):
         assert {first, *found} == {code()["sources"]}
+
+
+@pytest.mark.proof
+def test_where_only_workers_with_another_program_are_left_that_is_told(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name in ("ALONE", "COUNT"):
+        monkeypatch.setattr(f"mission.verification.workers.cluster.{name}", 0.5)
+    tree = other_program(tmp_path / "tree")
+    with scheduling(tmp_path) as address, ExitStack() as later:
+        with worker(address, tmp_path):
+            found = results(do, [("sources", n) for n in range(10_000)], place(f"dask://{address}"))
+            next(found)
+            later.enter_context(worker(address, tmp_path, tree))
+        with pytest.raises(Unreachable, match="of this program"):
+            list(found)
 
 
 @pytest.mark.proof

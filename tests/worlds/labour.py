@@ -34,6 +34,12 @@ def dies(_: object) -> None:
     os.kill(os.getpid(), signal.SIGKILL)
 
 
+def dies_later(_: object) -> None:
+    """When others wait for its worker."""
+    time.sleep(0.3)
+    dies(_)
+
+
 def hangs(_: object) -> None:
     time.sleep(1e6)
 

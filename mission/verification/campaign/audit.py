@@ -42,6 +42,7 @@ from mission.model import (
 )
 from mission.onboard.runtime.command_target import MODEM, Peer
 from mission.onboard.runtime.runtime import VEHICLE
+from mission.verification.campaign.reports import decoded
 from mission.verification.rig.acts import Act
 from mission.verification.rig.trace import Done, Event, Heard, Said
 from protocol.messages import UPWARD, Manual, Order, Setpoint
@@ -357,7 +358,7 @@ def _turns(data: bytes) -> bool:
     at = data.find(SD.lead)
     if at < 0 or len(data) < at + SD.length:
         return False
-    values = SD.decode(data[at : at + SD.length])
+    values = decoded(data[at : at + SD.length])
     return any(abs(values[name] - 1500) > _NEUTRAL for name in _THRUSTERS)
 
 

@@ -7,11 +7,12 @@ flight (laws, audit).
 
 from __future__ import annotations
 
+import functools
 import math
 import re
 import traceback
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 
 from links.simulated.board_faults import ANY
 from links.simulated.geodesy import moved
@@ -22,6 +23,7 @@ from mission.authoring.language import digest, parse, script
 from mission.model import AUTONOMOUS, STOPPED, SURFACED, Mission, Step
 from mission.model.vehicle import Vehicle
 from mission.onboard.configuration import Configuration
+from mission.onboard.runtime.mission_validator import MissionValidator
 from mission.onboard.runtime.records import Recorder
 from mission.verification.rig.acts import Disturbance
 from mission.verification.rig.program import FillableStore, Program
@@ -40,6 +42,24 @@ RADIO = 0.1  # s until the operator's program has answered an answer
 AUTO_NODE = re.compile(rb"@NS[OC]{5}([OC])\$")
 _AT_REST = ("idle/", STOPPED, SURFACED)
 _AFLOAT = 0.5  # m (R7)
+Judge = Callable[[Vehicle, str], MissionValidator | None]  # of a vehicle, for a mission's digest
+
+
+@dataclass(frozen=True, slots=True)
+class _Pair:
+    digest: str
+    vehicle: Vehicle = field(hash=False)  # which has none
+
+
+def known_judge(vehicle: Vehicle, digest: str) -> MissionValidator:
+    """One for all flights of this mission by this vehicle. For flights of the whole program: a
+    verdict is not found again where a rule is broken."""
+    return _judge(_Pair(digest, vehicle))
+
+
+@functools.lru_cache(maxsize=64)
+def _judge(of: _Pair) -> MissionValidator:
+    return MissionValidator(of.vehicle)
 
 
 def try_out(
@@ -55,17 +75,20 @@ def try_out(
     recorder: Callable[[], Recorder | None] = lambda: None,
     program: Program | None = None,
     configuration: Configuration | None = None,
+    judge: Judge = lambda vehicle, digest: None,
 ) -> Trace:
     """``disturbances`` are at the flight's times. ``offset``: m north and east of home where it
-    begins; ``recorder`` makes one for each life of the program. ``program`` lives already, and
-    lives on: it is given ``OPERATOR_AFTER`` s before the operator begins."""
+    begins; ``recorder`` makes one for each life of the program, ``judge`` may know the mission from
+    an earlier flight. ``program`` lives already, and lives on: it is given ``OPERATOR_AFTER`` s
+    before the operator begins."""
     flown = replace(vehicle, dialect=profile) if vehicle.codec == "auv" else vehicle
     home = home_of(mission)
     sea = simulated(flown, seed, settings, position=moved(*home, *offset), heading=heading)
     begins = program is None
     if program is None:
         store, wall = FillableStore(), START.timestamp()
-        program = Program(flown, store, wall, recorder, configuration)
+        verdicts = judge(flown, digest(mission))
+        program = Program(flown, store, wall, recorder, configuration, verdicts)
     program.store.death = None
     operator = Operator(script(mission), digest(mission))
     trial = _Trial(
@@ -93,7 +116,7 @@ def try_out(
 
 def _first_flown(lines: tuple[str, ...], mission: Mission) -> Mission:
     """What the store held as the first flight began: another boat may have sent another mission."""
-    return mission if lines in ((), script(mission)) else parse("\n".join(lines) + "\n")
+    return mission if lines in ((), tuple(script(mission))) else parse("\n".join(lines) + "\n")
 
 
 class _Trial(Rig):

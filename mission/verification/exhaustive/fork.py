@@ -18,7 +18,7 @@ from types import FunctionType, MethodType
 from typing import Any, Generic, TypeVar, cast
 
 from mission.engine.engine import Engine
-from mission.model.copies import is_fixed, slots_of
+from mission.model.copies import held, is_fixed, slots_of
 from protocol.fields import FrameType
 
 T = TypeVar("T")
@@ -77,10 +77,9 @@ class Fork(Generic[T]):
         elif kind is set:
             node.make, node.fill = partial(set, frozenset(value)), _nothing
         else:
-            own, slots = getattr(value, "__dict__", {}), _held(value)
             node.make = partial(kind.__new__, kind)
-            fill = _fill_slots if slots else _fill_object
-            node.fill = partial(fill, self._parts((own | slots).items(), node))
+            fill = _fill_slots if slots_of(kind) else _fill_object
+            node.fill = partial(fill, self._parts(held(value).items(), node))
         return place
 
     def _parts(self, items: Iterable[tuple[_Key, Any]], node: _Node) -> dict[_Key, Any]:
@@ -125,18 +124,13 @@ def _fill_slots(shared: dict[str, Any], shell: Any, linked: list[tuple[_Key, Any
 
 
 def _engine(engine: Engine) -> Callable[[Any, list[tuple[_Key, Any]]], None]:
-    snapshot, own = engine.snapshot(), getattr(engine, "__dict__", {}) | _held(engine)
+    snapshot, own = engine.snapshot(), held(engine)
 
     def fill(shell: Any, linked: list[tuple[_Key, Any]]) -> None:
         _fill_slots(own, shell, linked)
         shell.restore(snapshot)
 
     return fill
-
-
-def _held(value: Any) -> dict[str, Any]:
-    """What stands in its slots."""
-    return {name: getattr(value, name) for name in slots_of(type(value)) if hasattr(value, name)}
 
 
 _KNOWN: dict[type, bool] = {}

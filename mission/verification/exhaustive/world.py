@@ -14,6 +14,7 @@ from dataclasses import dataclass, field, replace
 from links.base import Rx
 from mission.engine.engine import Engine
 from mission.model import Estimate, Position, Step, Tx
+from mission.model.copies import held
 from mission.model.vehicle import Beacon, Vehicle
 from mission.navigation import Navigation
 from mission.onboard.configuration import Configuration, LinkUrls
@@ -204,7 +205,8 @@ class World(LockStep):
         again.sent[:0], again.states[:0] = self.sent, self.states
         again.depths[:0] = self.depths
         again.sea, again.answers = self.sea, self.answers
-        self.__dict__ = again.__dict__
+        for name, value in held(again).items():
+            setattr(self, name, value)
 
     def end(self, *, at_once: bool = False) -> None:
         """The program is to end."""

@@ -3,7 +3,9 @@
 Before the first job every worker says which program it runs; each job says so again, because
 workers come and go: one that came later with another program is sent no more. A worker that dies is
 the scheduler's matter: it gives the job to others, and to three of them at most (its setting
-``allowed-failures``). What hangs ends its own process after a while.
+``allowed-failures``). It blames whatever waited at that worker as much: a job that it gives up is
+done once more with no other of ours on the cluster, and told as lost if its workers die then, too.
+What hangs ends its own process after a while.
 
 Results follow from the jobs alone, and a worker must have one thread: a flight takes a core, and
 Python gives a process one.
@@ -17,9 +19,10 @@ import os
 import pickle
 import threading
 import time
+from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from ipaddress import ip_address
 from typing import Any, Generic, TypeVar
 
@@ -38,7 +41,7 @@ from mission.verification.workers.outcome import (
 AHEAD = 3  # jobs for each worker on the scheduler: none waits for the next, and few are in vain
 CONNECTING = 10.0  # s until a scheduler has answered
 JOINING = 30.0  # s until there is a worker
-ALONE = 120.0  # s without any worker until that is an error
+ALONE = 120.0  # s without any worker of this program until that is an error
 LOOK = 0.02  # s between two looks at what has ended
 COUNT = 5.0  # s between two counts of the workers
 HUNG = 78  # exit code of a worker's process that has ended itself
@@ -52,6 +55,16 @@ class OtherCode:
 
     worker: str
     differs: str
+
+
+@dataclass(frozen=True, slots=True)
+class _Try(Generic[_J]):
+    """``again``: how often it was tried before; ``alone``: with no other of ours on the cluster."""
+
+    name: str
+    job: _J
+    again: int = 0
+    alone: bool = False
 
 
 @contextmanager
@@ -120,7 +133,9 @@ class _Cluster(Generic[_J, _R]):
         self._ended = distributed.as_completed(
             loop=client.loop, with_results=True, raise_errors=False
         )
-        self._at: dict[distributed.Future, tuple[str, _J, int]] = {}
+        self._at: dict[distributed.Future, _Try[_J]] = {}
+        self._suspects: deque[_Try[_J]] = deque()  # given up by the scheduler: their turns alone
+        self._others: set[str] = set()  # workers that run another program
         self._room = self._counted = 0.0
         self._seen = time.monotonic()
         self._serial = itertools.count()
@@ -139,36 +154,42 @@ class _Cluster(Generic[_J, _R]):
         self, future: distributed.Future, found: Any
     ) -> Iterator[tuple[str, _R | Lost]]:
         """What is to be told of it; nothing if it is tried again."""
-        name, job, tries = self._at.pop(future)
+        it = self._at.pop(future)
         if isinstance(found, OtherCode):
+            self._others.add(found.worker)
             self._client.retire_workers([found.worker], close_workers=False)
-            self._submit(name, job, tries)
+            self._submit(it)
         elif future.status == "finished":
-            yield name, found.lost(name) if isinstance(found, Raised) else found
-        elif tries >= RETRIES or _tried_by_scheduler(future, found):
-            yield name, Lost(name, _why(future, found))
+            yield it.name, found.lost(it.name) if isinstance(found, Raised) else found
+        elif _tried_by_scheduler(future, found) and not it.alone:
+            self._suspects.append(replace(it, alone=True))
+        elif it.again >= RETRIES or _tried_by_scheduler(future, found):
+            yield it.name, Lost(it.name, _why(future, found))
         else:
-            self._submit(name, job, tries + 1)
+            self._submit(replace(it, again=it.again + 1))
 
-    def _submit(self, name: str, job: _J, tries: int = 0) -> None:
-        key = f"{name} #{next(self._serial)} of {self._client.id}"
+    def _submit(self, it: _Try[_J]) -> None:
+        key = f"{it.name} #{next(self._serial)} of {self._client.id}"
         future = self._client.submit(
-            perform, dict(code()), self._work, job, self._patience, key=key, pure=False
+            perform, dict(code()), self._work, it.job, self._patience, key=key, pure=False
         )
-        self._at[future] = name, job, tries
+        self._at[future] = it
         self._ended.add(future)
 
     def _filled(self, fresh: Iterator[tuple[str, _J]]) -> bool:
         self._count()
-        for name, job in itertools.islice(fresh, max(int(self._room) - len(self._at), 0)):
-            self._submit(name, job)
+        if self._suspects and not self._at:
+            self._submit(self._suspects.popleft())
+        elif not self._suspects and not any(it.alone for it in self._at.values()):
+            for name, job in itertools.islice(fresh, max(int(self._room) - len(self._at), 0)):
+                self._submit(_Try(name, job))
         return bool(self._at)
 
     def _count(self) -> None:
         now = time.monotonic()
         if self._room and now - self._counted < COUNT:
             return
-        workers = len(self._client.nthreads())
+        workers = len(self._client.nthreads().keys() - self._others)
         self._counted = now
         self._seen = now if workers else self._seen
         self._room = float(AHEAD * max(workers, 1))
@@ -181,7 +202,7 @@ class _Cluster(Generic[_J, _R]):
         if self._client.status != "running":
             raise Unreachable("the scheduler is gone")
         if time.monotonic() - self._seen > ALONE + COUNT:
-            raise Unreachable(f"no worker for {ALONE:.0f} s")
+            raise Unreachable(f"no worker of this program for {ALONE:.0f} s")
         return list(self._ended.next_batch(block=False))
 
 
@@ -194,7 +215,8 @@ def _why(future: distributed.Future, found: Any) -> str:
         return "cancelled by the scheduler"
     error = found[1]
     if isinstance(error, distributed.KilledWorker):
-        return f"{error.allowed_failures + 1} workers died of it"
+        died = error.allowed_failures + 1
+        return f"{died} worker{'s' if died > 1 else ''} died of it"
     return f"{type(error).__name__}: {error}"
 
 

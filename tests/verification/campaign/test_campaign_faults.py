@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import random
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -21,6 +22,7 @@ from mission.engine.monitor import LimitMonitor
 from mission.model import IDLE_EMPTY, IDLE_READY, SURFACED, SURFACING, Action, Step, Tx
 from mission.model.shipped import load_vehicle
 from mission.onboard.blackbox import notes_of
+from mission.onboard.runtime import mission_validator
 from mission.onboard.runtime.commander import Commander
 from mission.onboard.runtime.frontseat import Frontseat
 from mission.verification.campaign.disturbances import INCIDENTS
@@ -29,7 +31,7 @@ from mission.verification.campaign.faults import fly_numbered, fly_plan
 from mission.verification.campaign.laws import IGNORED, LOST, OVERRUN, RAISED, violations
 from mission.verification.campaign.scene_texts import mission_of
 from mission.verification.campaign.soak import Soaked, grown, soak
-from mission.verification.campaign.trial import FOREVER, try_out
+from mission.verification.campaign.trial import FOREVER, known_judge, try_out
 from mission.verification.campaign.whole_flight import throughout
 from mission.verification.campaign.word_laws import UNLAWFUL
 from mission.verification.rig.acts import OTHER_BOAT, PORT, Act, Disturbance
@@ -88,6 +90,24 @@ def test_a_flight_is_told_by_its_seed_and_number_alone() -> None:
     plan = draw(5, 7, KNOWN)
     first, second = (fly_plan(plan, VEHICLE) for _ in range(2))
     assert first.events == second.events
+
+
+def test_a_mission_that_was_judged_in_an_earlier_flight_is_flown_alike(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    plan = draw(5, 7, KNOWN)
+    anew = fly_plan(plan, plan.vehicle)
+    known = fly_plan(plan, plan.vehicle, judge=known_judge)
+    monkeypatch.setattr(mission_validator, "judge", None)  # who asks it now is refused
+    again = fly_plan(plan, plan.vehicle, judge=known_judge)
+    assert anew.events == known.events == again.events
+    assert again.mission is plan.subject.mission
+
+
+def test_a_verdict_is_that_of_one_vehicle() -> None:
+    assert known_judge(VEHICLE, "a") is known_judge(replace(VEHICLE), "a")
+    assert known_judge(VEHICLE, "a") is not known_judge(VEHICLE, "b")
+    assert known_judge(VEHICLE, "a") is not known_judge(replace(VEHICLE, dialect="documented"), "a")
 
 
 def test_the_command_ends_with_one_object_and_flies_one_again(tmp_path: Path) -> None:
