@@ -74,7 +74,7 @@ campaign: $(READY)      ## flights within what the check assumed: MISSIONS=n FLI
 faults: $(READY)        ## flights with faults: FLIGHTS=n SEED=s
 	@$(BIN)/auvmission faults --flights $(or $(FLIGHTS),50) --seed $(SEED)
 
-first-round: $(READY)   ## the order in which a search flies its rows, anew; a minute
+first-round: $(READY)   ## the order in which a search flies its rows, anew; ten minutes
 	$(BIN)/python -m mission.verification.campaign.first_round
 
 exhaustive: $(READY)    ## every state, every event
