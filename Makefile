@@ -5,7 +5,7 @@ READY := .venv/.ready
 # Where that is set, every process of every test would compile all modules anew: twice the time.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: demo console browser test coverage proofs check lint page bench growth compiled test-compiled score campaign faults exhaustive sea docs pictures links clean
+.PHONY: demo console browser test coverage proofs check lint page bench growth compiled test-compiled score campaign faults first-round exhaustive sea docs pictures links clean
 
 DATA ?= ../shared/data/trajectories
 SEED ?= 0
@@ -73,6 +73,9 @@ campaign: $(READY)      ## flights within what the check assumed: MISSIONS=n FLI
 
 faults: $(READY)        ## flights with faults: FLIGHTS=n SEED=s
 	@$(BIN)/auvmission faults --flights $(or $(FLIGHTS),50) --seed $(SEED)
+
+first-round: $(READY)   ## the order in which a search flies its rows, anew; ten minutes
+	$(BIN)/python -m mission.verification.campaign.first_round
 
 exhaustive: $(READY)    ## every state, every event
 	@$(BIN)/auvmission exhaustive

@@ -211,7 +211,7 @@ def _search(
     from mission.verification.campaign.search import Search, Searched, flown
     from mission.verification.workers.progress import with_progress
 
-    search = Search(seed, known)
+    search = Search(known)
     tell = functools.partial(click.echo, err=True)
     asked = {"flights": "searched", "seed": seed}
     if known[0].vehicle != "auv":

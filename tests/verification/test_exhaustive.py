@@ -119,6 +119,14 @@ def test_every_leg_in_its_first_and_last_round_is_there(survey: Ground) -> None:
     assert rounds == {(("autonomous/rows", 1),), (("autonomous/rows", 2),)}
 
 
+@pytest.mark.parametrize("mission", ["lawnmower", "transect", "loiter"])
+def test_no_leg_is_at_its_end_where_a_proof_begins(mission: str) -> None:
+    for configuration, world in configurations(ground(MISSIONS / f"{mission}.yaml", "as-built")):
+        if configuration.region == "autonomous" and configuration.quiet:
+            world.wait(3.0)  # the next report, and an estimate from it
+            assert world.state == configuration.leaf, configuration.name
+
+
 def test_a_copy_of_a_drive_goes_on_as_the_drive_would(survey: Ground) -> None:
     forks = Fork(survey.under_way.copy())
     straight = forks.copy()

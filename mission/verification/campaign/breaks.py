@@ -84,6 +84,10 @@ def relays_first(surgery: Surgery) -> None:
     surgery.put(Frontseat, "next_out", relays_before)
 
 
+def has_relays(self: Frontseat, now: float) -> bool:
+    return bool(self._relays)
+
+
 def turns_with_auto_closed(surgery: Surgery) -> None:
     honest = Core.mind_rest
 

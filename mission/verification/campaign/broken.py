@@ -29,6 +29,7 @@ from mission.engine.limits import LIMITS
 from mission.engine.outputs import OutputKeeper
 from mission.engine.rest import Rest
 from mission.engine.vehicle_state import VehicleState
+from mission.model import Result
 from mission.navigation.belief import DepthBelief
 from mission.navigation.fixes import Receiver
 from mission.onboard.runtime import frontseat, line, operator_server, repeater
@@ -70,9 +71,17 @@ _RULES: Mapping[str, Broken] = {
     "depth margin": Broken("R5: 1 m beyond the depth", instead(limits, "DEPTH_MARGIN", 10.0)),
     "silence": Broken("R8: 5 s without a report", instead(limits, "SILENCE", 60.0)),
     "operator's limits": Broken("R5: the tightest of three", breaks.loosest, alike=same),
-    "restart": Broken("R7: a restart surfaces", breaks.restart_only_stops),
+    "restart": Broken(
+        "R7: a restart surfaces",
+        breaks.restart_only_stops,
+        when=lambda _core, name, *_: name == "restart",
+    ),
     "latch": Broken("R7: what is under way is kept", breaks.marker_not_kept),
-    "relays first": Broken("R7: X and W before everything", breaks.relays_first),
+    "relays first": Broken(
+        "R7: X and W before everything",
+        breaks.relays_first,
+        when=breaks.has_relays,
+    ),
     "surface at once": Broken(
         "R7: 6 s of shallow depth", instead(vehicle_state, "SURFACE_TIME", 0.0)
     ),
@@ -124,7 +133,11 @@ _RULES: Mapping[str, Broken] = {
         instead(restart, "UNWATCHED", 0.0),
         "a depth has to change first, and fixes to settle: either holds without it",
     ),
-    "sank unseen": Broken("R7, at rest: what sank while no depth was known", breaks.forgets_depths),
+    "sank unseen": Broken(
+        "R7, at rest: what sank while no depth was known",
+        breaks.forgets_depths,
+        when=lambda _rest, _t, depth, *_: depth is None,
+    ),
     "pushed down again": Broken(
         "R7: upside down, no push that led deeper",
         instead(Ascent, "_may_lift", lambda self, way, depth: depth is not None),
@@ -166,7 +179,11 @@ _RULES: Mapping[str, Broken] = {
     "held up": Broken(
         "R7, at rest: what sank out of surfaced", always(Ascent, "pushes_up", False), alike=same
     ),
-    "rest with AUTO closed": Broken("R7, at rest: AUTO closed", breaks.turns_with_auto_closed),
+    "rest with AUTO closed": Broken(
+        "R7, at rest: AUTO closed",
+        breaks.turns_with_auto_closed,
+        when=lambda core: not core.auto,
+    ),
     "way W": Broken("R7: W is one of the ways", breaks.without_way(Order.SURFACE)),
     "way U12": Broken("R7: X0 and U12 is one of the ways", breaks.without_way(UPWARD)),
     "way X0": Broken("R7: letting go is one of the ways", breaks.without_way(Order.STOP)),
@@ -190,12 +207,20 @@ _RULES: Mapping[str, Broken] = {
     "AUTO starts": Broken(
         "R13: no @AA until it is open", breaks.starts_with_auto_closed, alike=same
     ),
-    "stop again": Broken("R7: X until it is acknowledged", nothing(Core, "stop_again")),
+    "stop again": Broken(
+        "R7: X until it is acknowledged",
+        nothing(Core, "stop_again"),
+        when=lambda core: core.stop_at is not None and core.now >= core.stop_at,
+    ),
     "stop doubted": Broken("R7: X where a report shows a thruster", nothing(Core, "doubt_stop")),
     "line doubted": Broken(
         "R8: said again behind a line that was away", nothing(Core, "doubt_line")
     ),
-    "refused set": Broken("R8: a set answered N", breaks.refusals_accepted),
+    "refused set": Broken(
+        "R8: a set answered N",
+        breaks.refusals_accepted,
+        when=lambda _core, outcome: outcome.result is Result.REFUSED,
+    ),
     "clock of a leg": Broken("every leg has its clock", breaks.legs_for_ever),
     "blind leg": Broken("R8: a reading that a leg needs", instead(run, "BLIND_TIME", 1e9)),
     "healthy depth": Broken(

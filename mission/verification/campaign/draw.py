@@ -25,6 +25,7 @@ from mission.model import Mission
 from mission.model.vehicle import Vehicle
 from mission.verification.campaign.disturbances import INCIDENTS
 from mission.verification.campaign.fitting import beaconed, fit
+from mission.verification.campaign.scene import Scene
 from mission.verification.campaign.scene_texts import mission_of
 from mission.verification.campaign.staging import faults_of, scenes_of, staged_on
 from mission.verification.campaign.trial import FOREVER
@@ -46,7 +47,8 @@ STAGED, BESIDE = 0.7, 0.4  # shares: of the flights, and of those with something
 SCENE_TIME, SCENE_FLOOR = 160.0, 30.0  # s that matter, m
 IDLE = ("temperature_", "magnetometer_", "battery_")  # nothing on this vehicle decides by them
 SELDOM = 0.25  # as often as others: what is idle, and what has to be fitted first
-PROFILES = ("as-built", "documented")
+DOCUMENTED = "documented"
+PROFILES = ("as-built", DOCUMENTED)
 
 
 @dataclass(frozen=True, slots=True)
@@ -130,7 +132,12 @@ def stage(name: str, seed: int, vehicle: str = "auv") -> Plan:
 
 def profiles_of(vehicle: str) -> tuple[str, ...]:
     """How it may have been built; only the AUV is known to be other than its document."""
-    return PROFILES if vehicle == "auv" else ("documented",)
+    return PROFILES if vehicle == "auv" else (DOCUMENTED,)
+
+
+def on_profile(plan: Plan, profile: str) -> Plan:
+    """As built it would report no batteries: such a plan stays documented."""
+    return plan if plan.batteries else replace(plan, profile=profile)
 
 
 def rows(subjects: Sequence[Subject]) -> tuple[str, ...]:
@@ -184,7 +191,7 @@ def _set_up(name: str, vehicle: str, rng: Random, seed: int, number: int) -> Pla
         seed,
         number,
         Subject(Path(scene.text), mission, SCENE_TIME),
-        rng.choice(profiles_of(vehicle)),
+        _built(scene, rng.choice(profiles_of(vehicle))),
         rng.randrange(1 << 31),
         fit(settings, scene.faults, home_of(mission), rng),
         (Drawn(name, 0.0, scene.disturbances),),
@@ -193,6 +200,10 @@ def _set_up(name: str, vehicle: str, rng: Random, seed: int, number: int) -> Pla
         scene.silence,
         scene.batteries,
     )
+
+
+def _built(scene: Scene, profile: str) -> str:
+    return DOCUMENTED if scene.batteries else profile
 
 
 def _disturbed(

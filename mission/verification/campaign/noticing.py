@@ -93,7 +93,7 @@ def notice(rule: str, flights: Flights, most: int, *, searched: bool = False) ->
 
 def _searched(rule: str, flights: Flights) -> Iterator[str]:
     """What a search asks for that is told of the broken program alone."""
-    search = Search(flights.seed, flights.known)
+    search = Search(flights.known)
     while True:
         names = search.generation()
         yield from names

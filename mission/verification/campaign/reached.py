@@ -4,7 +4,8 @@ A rule that was not reached, in every function that would be broken, would have 
 it need not be flown again with the rule broken.
 
     a function    reached when it is called; or, where nothing but its result matters
-                  (``Broken.alike``), when the broken one would have returned something else
+                  (``Broken.alike``), when the broken one would have returned something else;
+                  where it depends on what it is given, when it is given that (``Broken.when``)
     a property    when the broken one would have another value
     LIMITS        when a row that would be left out is breached
     a number      always
@@ -64,8 +65,9 @@ class _Witness(Surgery):
         self, whole: Any, other: Any, alike: Callable[[Any, Any], bool]
     ) -> Callable[..., Any]:
         def look(*given: Any, **named: Any) -> Any:
+            matters = alike is not differs or self._row.when(*given, **named)
             result = whole(*given, **named)
-            if alike is differs or not alike(result, other(*given, **named)):
+            if matters and (alike is differs or not alike(result, other(*given, **named))):
                 self._tell()
             return result
 

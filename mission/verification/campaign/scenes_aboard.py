@@ -31,14 +31,19 @@ from protocol.modem import Sender, wrap
 
 
 def _tight(
-    field: int, low: int, high: int, text: str, current: float | None = None
+    field: int,
+    low: int,
+    high: int,
+    text: str,
+    current: float | None = None,
+    since: float = DOWN,
 ) -> Callable[[Random], Scene]:
     """An @SP while it is under way, or before."""
 
     def draw(rng: Random) -> Scene:
         values = [b"2000", b"240", b"100", b"10"]
         values[field] = b"%d" % rng.randint(low, high)
-        said = say(rng.uniform(DOWN, 60.0), b"@SP,%b,$" % b",".join(values))
+        said = say(rng.uniform(since, since + 24.0), b"@SP,%b,$" % b",".join(values))
         return Scene(text, (), (said,), current=current)
 
     return draw
@@ -220,7 +225,9 @@ ABOARD: Mapping[str, SceneRow] = {
     "small_radius": SceneRow(
         "@SP with a smaller radius", _tight(0, 40, 80, "stubborn", current=0.05)
     ),
-    "shallow_depth": SceneRow("@SP with less depth", _tight(2, 5, 9, "deep")),
+    "shallow_depth": SceneRow(
+        "@SP with less depth than it has", _tight(2, 5, 9, "deep", since=STARTED + 42.0)
+    ),
     "swept_away": SceneRow("uncertain before it is beyond the radius", _swept_away),
     "silent_topside": SceneRow("a bound on the topside's silence", _silent_topside),
     "held_stick": SceneRow("a stick that is held, and somebody else's W", _held_stick),

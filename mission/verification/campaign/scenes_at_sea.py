@@ -232,14 +232,23 @@ def _blind_and_wandering(rng: Random) -> Scene:
 
 def _heavy_and_wandering(rng: Random) -> Scene:
     """Heavy, U12 alone lifts it, and the receiver makes places up. An X lets it sink for so long
-    that it is not back where it was when half a minute of fixes could speak against its depth.
-    Where that comes late, the fixes contradict it."""
+    that it is not back where it was when half a minute of fixes could speak against its depth;
+    mostly that comes late, too, and the fixes contradict it."""
     t = rng.uniform(DOWN, 60.0)
     wanders = fault("gps_wanders", rng.uniform(4.0, 8.0))
-    if rng.random() < 0.5:
-        return Scene("deep", (*_lifted_by_u_alone(rng, t), wanders), (say(t, X),))
-    late = fault("depth_late", t + 1.7, FOREVER, 9.0)
-    return Scene("deep", (*_lifted_by_u_alone(rng, t, 38.0, 45.0), wanders, late), (say(t, X),))
+    late = (_late(t),) if rng.random() < 0.8 else ()
+    return Scene("deep", (*_lifted_by_u_alone(rng, t, 48.0, 49.0), wanders, *late), (say(t, X),))
+
+
+def _heavy_and_late(rng: Random) -> Scene:
+    """The same with less weight and a late depth: no turn of full thrust is seen to lift it."""
+    t = rng.uniform(DOWN, 60.0)
+    wanders = fault("gps_wanders", rng.uniform(4.0, 8.0))
+    return Scene("deep", (*_lifted_by_u_alone(rng, t, 38.0, 45.0), wanders, _late(t)), (say(t, X),))
+
+
+def _late(t: float) -> FaultEvent:
+    return fault("depth_late", t + 1.7, FOREVER, 9.0)
 
 
 def _clogged(rng: Random) -> Scene:
@@ -321,6 +330,7 @@ AT_SEA: Mapping[str, SceneRow] = {
         "no depth, a receiver that wanders, and W", _blind_and_wandering
     ),
     "heavy_and_wandering": SceneRow("heavy, and fixes made up", _heavy_and_wandering),
+    "heavy_and_late": SceneRow("heavy, fixes made up, and a depth that is late", _heavy_and_late),
     "clogged": SceneRow("the port of the depth clogs on the way down", _clogged),
     "clogged_and_stuck": SceneRow(
         "the port clogs at the surface, and the receiver is stuck", _clogged_and_stuck

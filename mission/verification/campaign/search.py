@@ -1,13 +1,13 @@
 """A search for flights that break a law: rows in turn, and neighbours of what came nearest.
 
-Chance flies some rows thrice before it has flown others once. The first round is one flight of each
-row of the tables, in an order by seed; shipped missions, which take as long as several scenes, come
-at its end. From then on two of three flights are of the next rounds, and one is a neighbour of the
-flight that came nearest to breaking some law, with less than half of its bound left. The laws take
-turns: first those whose neighbours were tried least often in vain, then those with less left. So no
-easy law takes all. A neighbour that came nearer takes its parent's place (importance splitting, one
-level at a time; Cerou and Guyader, Stochastic Analysis and Applications 25, 2007). What has broken
-a law is found: it is told, and not steered by.
+Chance flies some rows thrice before it has flown others once. A round is one flight of each row of
+the tables, in the order of ``first_round``: those come first that act by rules by which the rows
+before them did not act. From the second round on two of three flights are of the rounds, and one is
+a neighbour of the flight that came nearest to breaking some law, with less than half of its bound
+left. The laws take turns: first those whose neighbours were tried least often in vain, then those
+with less left. So no easy law takes all. A neighbour that came nearer takes its parent's place
+(importance splitting, one level at a time; Cerou and Guyader, Stochastic Analysis and Applications
+25, 2007). What has broken a law is found: it is told, and not steered by.
 
 A generation is asked for at once, and told before the next: what is flown depends on seed and
 answers alone, never on the workers.
@@ -20,11 +20,10 @@ from __future__ import annotations
 import functools
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from random import Random
 
 from mission.verification.campaign.draw import Subject, rows
 from mission.verification.campaign.faults import FlightResult, fly_near
-from mission.verification.campaign.scenes import ON_BOARDS_ALONE, SCENES
+from mission.verification.campaign.first_round import in_order
 from mission.verification.campaign.steered import neighbour, plan_of
 from mission.verification.workers import working
 from mission.verification.workers.kept import Kept
@@ -46,10 +45,9 @@ class Nearest:
 
 
 class Search:
-    def __init__(self, seed: int, known: Sequence[Subject]) -> None:
+    def __init__(self, known: Sequence[Subject]) -> None:
         self.nearest: dict[str, Nearest] = {}
-        self._rows = sorted(rows(known))
-        self._rng = Random(f"search {seed}")
+        self._rows = in_order(rows(known))
         self._round: list[str] = []
         self._rounds = 0
         self._neighbours: dict[str, int] = {}  # of a flight, so far
@@ -76,10 +74,7 @@ class Search:
                 self.nearest[law] = Nearest(name, left)
 
     def _begin_round(self) -> None:
-        rows = list(self._rows)
-        self._rng.shuffle(rows)
-        rows.sort(key=lambda row: row not in (*SCENES, *ON_BOARDS_ALONE))
-        self._round = [f"{row}/{self._rounds}" for row in rows]
+        self._round = [f"{row}/{self._rounds}" for row in self._rows]
         self._rounds += 1
 
     def _next_of_round(self) -> str:

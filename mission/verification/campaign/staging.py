@@ -67,6 +67,7 @@ _ON_ALL: Mapping[str, tuple[str, ...]] = {
     ),
     NO_RECEIVER: (
         *("stuck_receiver", "wandering_receiver", "blind_and_wandering", "heavy_and_wandering"),
+        "heavy_and_late",
         *("clogged_and_stuck", "lying_second"),
     ),
     NO_SUCH_FAULT: (

@@ -16,11 +16,17 @@ What does not live here: which are flown (search), what the numbers come to (dra
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from random import Random
 from typing import TYPE_CHECKING, TypeVar
 
-from mission.verification.campaign.draw import Plan, Subject, draw_row, profiles_of, rows
+from mission.verification.campaign.draw import (
+    Plan,
+    Subject,
+    draw_row,
+    on_profile,
+    profiles_of,
+    rows,
+)
 
 if TYPE_CHECKING:
     from _typeshed import SupportsLenAndGetItem
@@ -62,7 +68,7 @@ def plan_of(name: str, seed: int, subjects: Sequence[Subject]) -> Plan:
     rng = Steered(f"steered {seed} {name}", _point(seed, row, number, moves))
     # First: how many numbers come before it otherwise is a draw, too.
     profile = rng.choice(profiles_of(subjects[0].vehicle))
-    return replace(draw_row(row, rng, seed, number, subjects), profile=profile)
+    return on_profile(draw_row(row, rng, seed, number, subjects), profile)
 
 
 def _point(seed: int, row: str, number: int, moves: Sequence[int]) -> list[float]:

@@ -44,6 +44,11 @@ def differs(whole: object, broken: object) -> bool:
     return False
 
 
+def whenever(*given: Any, **named: Any) -> bool:
+    """Whatever a function is given."""
+    return True
+
+
 def as_healthy(whole: Any, broken: Any) -> bool:
     """Valid, and younger than anybody's patience."""
     return bool(whole.valid) == bool(broken.valid) and whole.age < _PATIENCE
@@ -52,12 +57,15 @@ def as_healthy(whole: Any, broken: Any) -> bool:
 @dataclass(frozen=True, slots=True)
 class Broken:
     """``rule`` is broken; ``reason``: why no flight can tell, "" if one can. ``alike``: of what a
-    function of the rule returns, whole and broken; true for what makes no difference."""
+    function of the rule returns, whole and broken; true for what makes no difference. ``when``: of
+    what a function of the rule is given, where it does something; false for what the broken one
+    does in the same way."""
 
     rule: str
     how: Break
     reason: str = ""
     alike: Callable[[Any, Any], bool] = differs
+    when: Callable[..., bool] = whenever
 
 
 def instead(owner: Any, name: str, other: Any) -> Break:

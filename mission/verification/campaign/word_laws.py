@@ -9,7 +9,7 @@
     commander  one connection commands while it is heard (R12)
     AUTO       closed, and no mission goes on or begins, and nothing at rest turns by itself (R13)
     gap        20 ms between two frames on the line
-    refused    a set that is answered N: the leg's else (R8)
+    refused    a set that is answered N: the leg's else (refusal_laws)
     blind      a leg that needs a reading which fails is left within 6 s of that being known
 
 What does not live here: who asked for a byte (audit), an X, W or set in time (obedience), what
@@ -39,6 +39,7 @@ from mission.model import (
 from mission.model.regions import EMERGENCY, MANUAL
 from mission.verification.campaign.audit import commands_of, moves
 from mission.verification.campaign.laws import Violation
+from mission.verification.campaign.refusal_laws import heeds_refusals
 from mission.verification.campaign.reports import Report
 from mission.verification.campaign.story import SAME, STOP_WORD, Stay, Story
 from mission.verification.campaign.surface_laws import UNLAWFUL
@@ -67,7 +68,6 @@ _RELAYED = 2.0  # s from a word to the answer of its relay
 _M = re.compile(rb"@M[TDMRSP][^@$]*\$")
 _ACKNOWLEDGED = re.compile(rb"@ACK_Z[XA]Y\$")
 _ACCEPTED = re.compile(rb"@ACK_(?:(?:AA|AC|SP|ST|AW|NS|RS)[^N]|RI.)\$", re.DOTALL)
-_REFUSED = re.compile(rb"@ACK_Z([A-Z])N\$")
 _NODE = 1.0  # s
 _ORDER = re.compile(rb"@ZA(X0|WF)\$")
 _ENDS_AT_ONCE = (Act.HURRY, Act.DIE_BEFORE, Act.DIE_AFTER)
@@ -92,7 +92,7 @@ def word_laws(story: Story) -> Iterator[Violation]:
     yield from _ends_on_its_way_up(story)
     yield from _auto_closed(story)
     yield from _keeps_the_gap(story)
-    yield from _heeds_refusals(story)
+    yield from heeds_refusals(story)
 
 
 # --- legs ----------------------------------------------------------------------------------------
@@ -355,32 +355,3 @@ def _by_limit(stay: Stay) -> bool:
 def _keeps_the_gap(story: Story) -> Iterator[Violation]:
     if story.board is None and (found := crowded(story.words)):
         yield Violation(UNLAWFUL, *found)
-
-
-def _heeds_refusals(story: Story) -> Iterator[Violation]:
-    """Where nothing else can be meant: one word alone in the second before. Not the stop of an
-    ascent that is over, which is no part of the leg's set."""
-    for heard in story.heard:
-        found = _REFUSED.search(heard.data)
-        if found is None:
-            continue
-        words = story.words_in(heard.t - 1.0, heard.t - 0.005)
-        if words and found[1] not in (b"A", words[-1].data[3:4]):
-            continue  # it is another word's
-        stay = story.stay_at(heard.t)
-        if (
-            len(words) != 1
-            or not stay.autonomous
-            or stay.ascends
-            or (words[0].data == STOP_WORD and story.stay_at(stay.begin - SAME).ascends)
-            or story.hindered(heard.t - 1.0, heard.t)
-        ):
-            continue
-        if (
-            words[0].data.startswith(b"@ZA")
-            and stay.end > heard.t + 0.5
-            and stay.begin < words[0].t + SAME
-        ):
-            says = f"{words[0].data!r} was answered N, and still in {stay.state}"
-            yield Violation(UNLAWFUL, heard.t, says)
-            return

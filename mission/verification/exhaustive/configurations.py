@@ -33,7 +33,6 @@ from mission.model import (
     SURFACING,
     By,
     Chart,
-    Mission,
     Position,
 )
 from mission.navigation import Navigation
@@ -49,7 +48,7 @@ from mission.verification.exhaustive.lines import (
     Line,
     line_of,
 )
-from mission.verification.exhaustive.wire import Sea
+from mission.verification.exhaustive.mooring import from_afar, mooring
 from mission.verification.exhaustive.world import World
 from protocol.messages import SetSafety
 from protocol.topside import encode
@@ -104,8 +103,9 @@ def ground(path: Path, profile: str, vehicle: str | None = None) -> Ground:
     line = line_of(replace(prepared.vehicle, dialect=profile, constant_batteries=False))
     home = prepared.mission.home or _NOT_MINE
     worlds = []
-    for lines in ((), tuple(script(_from_afar(prepared)))):
+    for lines in ((), tuple(script(from_afar(prepared)))):
         world = World(line.vehicle, Stored(lines), home, line=line)
+        world.sea.north, world.sea.east = mooring(prepared, home)
         world.navigate(Navigation(line.vehicle, date="2026-03-01"))
         for _ in range(5 if GPS in line.has else PROVED):
             world.wait(1.0)
@@ -124,19 +124,6 @@ def ground(path: Path, profile: str, vehicle: str | None = None) -> Ground:
     under_way = Fork(started)
     _let_handlers_act(started, chart)
     return Ground(line, prepared, profile, chart, idle, empty, under_way, Fork(started))
-
-
-def _from_afar(prepared: Prepared) -> Mission:
-    """It may be started where ``Sea`` is, and guards on the range are not open from there."""
-    mission = replace(prepared.mission, vehicle=prepared.vehicle.name)
-    if "position" not in prepared.vehicle.reports:
-        return mission
-    away = Sea().north + 2.0
-    given = [(name, value) for name, value in mission.assume if name != "start"]
-    safety = mission.safety
-    if safety.radius is not None:
-        safety = replace(safety, radius=safety.radius + away)
-    return replace(mission, safety=safety, assume=(*given, ("start", away)))
 
 
 def configurations(ground: Ground) -> Iterator[tuple[Configuration, World]]:

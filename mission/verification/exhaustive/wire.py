@@ -39,7 +39,7 @@ class Sea:
     powered: bool = True
     dives: bool = False  # its verticals push down with all they have
     stopped: bool = False  # by X0, which is obeyed whether it is answered or not
-    north: float = 70.0  # m from home: no guard on the range of the shipped missions is open
+    north: float = 70.0  # m from home (mooring)
     east: float = 0.0
     leak: bool = False
     placed: bool = False  # the report tells where it is

@@ -87,7 +87,8 @@ SEEN = [
     ("depth that moves", "heavy_and_clogged", 0, "lost", "deep at the end"),
     ("unchanged depth", "restarted_frozen", 0, "unlawful", "surfaced, said"),
     ("fixes too early", "blind_and_wandering", 0, "unlawful", "surfaced, said"),
-    ("blind thrust", "heavy_and_wandering", 0, "lost", "deep at the end"),
+    ("blind thrust", "heavy_and_late", 1, "lost", "deep at the end"),
+    ("fixes against movement", "heavy_and_wandering", 0, "lost", "deep at the end"),
 ]
 
 

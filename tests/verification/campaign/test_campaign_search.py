@@ -18,6 +18,7 @@ from mission.engine.core import Core
 from mission.verification.campaign.broken import BROKEN, broken
 from mission.verification.campaign.draw import PROFILES, rows, stage
 from mission.verification.campaign.faults import fly_near
+from mission.verification.campaign.first_round import FILE, acts, in_order, ordered
 from mission.verification.campaign.margins import MARGINS
 from mission.verification.campaign.noticing import Flights, notice
 from mission.verification.campaign.reached import reached
@@ -102,17 +103,35 @@ def row_of(name: str) -> str:
 
 def searching() -> Search:
     """Behind its first round, of which nothing was told."""
-    search = Search(1, KNOWN)
+    search = Search(KNOWN)
     search.generation()
     return search
 
 
 def test_the_first_round_is_one_flight_of_each_row() -> None:
-    names = Search(1, KNOWN).generation()
+    names = Search(KNOWN).generation()
     assert sorted(names) == sorted(f"{row}/0" for row in ROWS)
-    assert names == Search(1, KNOWN).generation()
-    assert names != Search(2, KNOWN).generation()
+    assert names == Search(KNOWN).generation()
     assert {row_of(name) for name in names[len(SCENES) :]} == {s.path.stem for s in KNOWN}
+
+
+def test_every_row_stands_in_the_order_and_a_new_one_comes_first() -> None:
+    assert sorted(FILE.read_text().split()) == sorted(ROWS), "make first-round"
+    assert in_order([*ROWS, "a new one"])[0] == "a new one"
+
+
+def test_a_row_comes_before_those_that_act_by_nothing_new() -> None:
+    acted = {"a": ["x"], "b": ["x", "y", "z"], "c": ["y"], "d": ["v"], "m": ["u", "w"]}
+    assert ordered(acted, ("a", "b", "c", "d")) == ["b", "d", "c", "a", "m"]
+
+
+@pytest.mark.proof
+def test_each_of_the_first_rows_acts_by_a_rule_that_none_before_it_acted_by() -> None:
+    before: set[str] = set()
+    for row in in_order(ROWS)[:6]:
+        acted = acts(KNOWN, row)
+        assert acted - before, row
+        before |= acted
 
 
 def test_without_any_margin_the_rounds_go_on() -> None:
@@ -154,7 +173,7 @@ def test_what_has_broken_a_law_is_told_and_not_steered_by() -> None:
 @pytest.mark.minutes
 def test_what_is_flown_does_not_depend_on_who_works() -> None:
     def names(workers: int) -> list[str]:
-        found = flown(Search(3, KNOWN), 3, len(ROWS) + 20, KNOWN, place(workers=workers))
+        found = flown(Search(KNOWN), 3, len(ROWS) + 20, KNOWN, place(workers=workers))
         return [name for name, _ in found]
 
     assert names(1) == names(2)
