@@ -9,12 +9,21 @@ from typing import TYPE_CHECKING
 import click
 
 from mission.commands.jobs import Where, job_options
-from mission.commands.options import AS_JSON, BATHYMETRY, MISSION, PARAMETERS, SEED, VEHICLE
+from mission.commands.options import (
+    AS_JSON,
+    BATHYMETRY,
+    MISSION,
+    PARAMETERS,
+    SEED,
+    SETTINGS,
+    VEHICLE,
+)
 from mission.commands.output import writing
 from mission.commands.seafloor import depths_of
 from mission.commands.unreadable import tell_unreadable
 
 if TYPE_CHECKING:
+    from mission.model.vehicle import Vehicle
     from mission.verification.rehearsing.flights import Flown
     from mission.verification.rehearsing.report import Rehearsal
 
@@ -27,6 +36,7 @@ if TYPE_CHECKING:
 @click.option("-o", "--output", type=click.Path(path_type=Path, dir_okay=False),
               help="Picture to write, .png or .svg: where it comes up, and spreads; or .html, "
               "with all figures.")  # fmt: skip
+@SETTINGS
 @PARAMETERS
 @VEHICLE
 @BATHYMETRY
@@ -37,6 +47,7 @@ def rehearse(
     flights: int,
     seed: int,
     output: Path | None,
+    settings: tuple[str, ...],
     parameters: tuple[str, ...],
     vehicle: str | None,
     bathymetry: Path | None,
@@ -47,9 +58,11 @@ def rehearse(
 
     Tells how probably it is completed, the spreads of time, energy, position error and coverage,
     where it comes up (with the regions that hold 50, 90 and 99 % of the flights, for the boat),
-    which limits came near, and the worst ten with the command that flies each again. The same seed
-    tells the same. With --bathymetry the sea floor follows the file, and the least water under the
-    vehicle is told, with how many flights ran aground.
+    which legs no flight came to, which limits came near, and the worst ten with the command that
+    flies each again. The same seed tells the same. What --set gives is the same in all flights, and
+    nothing is drawn for it: an assumption changed, or a fault. With --bathymetry the sea floor
+    follows the file, and the least water under the vehicle is told, with how many flights ran
+    aground.
 
     Exit 0 if all were completed, 1 if not, 2 if MISSION cannot be read.
     """
@@ -59,22 +72,28 @@ def rehearse(
     from mission.authoring.prepare import Unreadable, parameters_of, prepare
     from mission.verification.rehearsing.flights import Flown, rehearsed
     from mission.verification.rehearsing.report import as_object, as_text, report_of
+    from mission.verification.simulation.flightlog import legs_of
     from mission.verification.workers.outcome import Lost
     from mission.verification.workers.progress import with_progress
 
     if output is not None and output.suffix.lower() not in (".png", ".svg", ".html"):
         raise click.UsageError(f"{output}: the suffix says what to write: .png, .svg or .html")
     try:
-        given = parameters_of(parameters)
-        prepared = prepare(mission, vehicle, given)
+        named = parameters_of(parameters)
+        prepared = prepare(mission, vehicle, named)
     except Unreadable as error:
         tell_unreadable(error, as_json)
         raise SystemExit(2) from None
     tell = functools.partial(click.echo, err=True)
     floor = "" if bathymetry is None else str(bathymetry.resolve())
+    _can_be_set(settings, prepared.vehicle)
     asked = {"rehearsed": prepared.chart.digest, "seed": seed, **_asked_of(bathymetry)}
+    if settings:
+        asked["set"] = " ".join(settings)
     with where.keeping(asked, Flown) as kept:
-        made = rehearsed(prepared, vehicle, given, seed, flights, where.place, kept, floor)
+        made = rehearsed(
+            prepared, vehicle, named, seed, flights, where.place, kept, floor, settings
+        )
         ended = list(with_progress(made, flights, "flights", tell, kept.count))
     flown = [one for one in ended if isinstance(one, Flown)]
     for one in ended:
@@ -82,13 +101,33 @@ def rehearse(
             tell(str(one))
     if not flown:
         raise SystemExit(1)
-    report = report_of(flown)
-    source = str(mission)
+    report = report_of(flown, legs_of(prepared.mission), settings)
+    source = _again(mission, vehicle, parameters)
     told = as_object(report, source, seed)
     click.echo(json.dumps(told) if as_json else as_text(report, source, seed))
     if output is not None:
         _write(output, report, flown, source, seed, prepared.mission.name)
     raise SystemExit(0 if report.outcomes.get("completed", 0) == flights else 1)
+
+
+def _can_be_set(settings: Sequence[str], vehicle: Vehicle) -> None:
+    """What is no setting, or cannot be on this vehicle, ends the command with 2."""
+    from links.simulated.settings import SettingError, parse_settings
+    from mission.verification.rig.vehicle import simulated
+
+    try:
+        simulated(vehicle, settings=parse_settings(settings))
+    except SettingError as error:
+        click.echo(str(error), err=True)
+        raise SystemExit(2) from None
+
+
+def _again(mission: Path, vehicle: str | None, parameters: Sequence[str]) -> str:
+    """The mission as the shell is told of it, with what makes it the one that was flown."""
+    import shlex
+
+    named = [word for text in parameters for word in ("--param", text)]
+    return shlex.join([str(mission), *named, *(["--vehicle", vehicle] if vehicle else [])])
 
 
 def _asked_of(bathymetry: Path | None) -> dict[str, str]:

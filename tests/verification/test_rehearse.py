@@ -22,7 +22,7 @@ from mission.onboard.runtime import mission_validator
 from mission.verification.rehearsing.flights import Flown, energy_of, rehearsed
 from mission.verification.rehearsing.page import html_page
 from mission.verification.rehearsing.report import as_text, quantile, regions, report_of, wilson
-from mission.verification.rehearsing.sea import drawn
+from mission.verification.rehearsing.sea import drawn, sea_of
 from mission.verification.simulation.coverage import Coverage
 from mission.verification.simulation.flight import fly
 from mission.verification.workers.places import Place
@@ -92,6 +92,83 @@ def test_a_worker_judges_a_mission_once_and_its_flights_are_as_if_each_had(
         assert (one.outcome, one.time) == (alone.outcome, alone.mission_time)
         assert one.error == max(sample.error for sample in alone.samples)
     assert len(judged) == 4
+
+
+LAYER = """mission m vehicle auv
+assume current 0.1
+safety depth 14 radius 400 time 20min
+down: gear 4 heading 90 depth 10 until temperature falls 2 within 4 m timeout 60s
+back: gear 4 depth 3 until depth < 4 timeout 60s
+up: surface timeout 2min
+"""
+COLD = ("thermocline=4@6", "current=0.05@30")
+
+
+def test_what_is_set_holds_in_every_flight_and_all_else_is_drawn_as_it_would_be() -> None:
+    for number in range(4):
+        plain = drawn(DIVE.mission, DIVE.vehicle, 2, number)
+        given = sea_of(DIVE.mission, DIVE.vehicle, 2, number, (" current = 0.05@30", COLD[0]))
+        assert given == (*plain[1:], " current = 0.05@30", COLD[0])
+        assert plain[0].startswith("current=")
+        assert sea_of(DIVE.mission, DIVE.vehicle, 2, number, ()) == plain
+
+
+@pytest.fixture(scope="module")
+def rehearsed_layer(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[str]]:
+    file = tmp_path_factory.mktemp("layer") / "m.mission"
+    file.write_text(LAYER, encoding="utf-8")
+    return file, ["rehearse", str(file), "--flights", "2", "--workers", "1"]
+
+
+def test_a_leg_that_no_flight_came_to_is_told_and_with_what_is_set_it_is_flown(
+    rehearsed_layer: tuple[Path, list[str]], tmp_path: Path
+) -> None:
+    _, command = rehearsed_layer
+    page, runner = tmp_path / "a.html", CliRunner()
+    plain = json.loads(runner.invoke(main, [*command, "--json", "-o", str(page)]).stdout)
+    assert plain["legs"] == {"down": 2, "back": 0, "up": 0}
+    assert plain["never_flown"] == ["back", "up"]
+    assert plain["set"] == []
+    assert "Never flown: back" in page.read_text(encoding="utf-8")
+    said = [word for text in COLD for word in ("--set", text)]
+    cold = json.loads(runner.invoke(main, [*command, *said, "--json", "-o", str(page)]).stdout)
+    assert cold["legs"] == {"down": 2, "back": 2, "up": 2}
+    assert cold["never_flown"] == []
+    assert cold["set"] == list(COLD)
+    assert "In every flight: thermocline=4@6" in page.read_text(encoding="utf-8")
+
+
+def test_the_text_names_what_is_set_and_the_legs_never_flown() -> None:
+    rows = [replace(flown(n), legs=("down", "back")[: n + 1]) for n in range(2)]
+    made = report_of(rows, ("down", "back", "up"), COLD)
+    assert made.legs == {"down": 2, "back": 1, "up": 0}
+    text = as_text(made, "dive", 0)
+    assert re.search(r"^never flown +up$", text, re.M)
+    assert re.search(r"^set +thermocline=4@6$", text, re.M)
+    assert "never flown" not in as_text(report_of(rows, ("down", "back")), "dive", 0)
+
+
+def test_what_flies_one_again_sets_the_same_and_names_the_same_mission(
+    rehearsed_layer: tuple[Path, list[str]],
+) -> None:
+    file, command = rehearsed_layer
+    wide = file.with_name("wide.mission")
+    wide.write_text(LAYER.replace("\n", "\nparam far 30s\n", 1).replace("60s", "far"))
+    command = [*command, "--param", "far=40s", "--vehicle", "auv", "--set", COLD[0], "--json"]
+    command[1] = str(wide)
+    run = CliRunner().invoke(main, command)
+    again = shlex.split(json.loads(run.stdout)["worst"][0]["again"])
+    assert again[again.index("--param") + 1] == "far=40s"
+    assert again[again.index("--vehicle") + 1] == "auv"
+    assert again[-2:] == ["--set", COLD[0]]
+
+
+@pytest.mark.parametrize("text", ["tide=3", "fault=nonsense@3", "fault=doppler_frozen@3"])
+def test_what_cannot_be_set_is_said_before_anything_is_flown(text: str) -> None:
+    run = CliRunner().invoke(main, ["rehearse", "first-dive", "--flights", "1", "--set", text])
+    assert run.exit_code == 2
+    assert text.partition("=")[0] in run.stderr
+    assert not run.stdout
 
 
 @pytest.mark.proof

@@ -18,7 +18,7 @@ from mission.model import Chart
 from mission.model.vehicle import Vehicle
 from mission.onboard.runtime.mission_validator import MissionValidator
 from mission.onboard.uncollected import uncollected
-from mission.verification.rehearsing.sea import drawn
+from mission.verification.rehearsing.sea import sea_of
 from mission.verification.simulation.coverage import Coverage, coverage_of
 from mission.verification.simulation.flight import fly
 from mission.verification.simulation.flightlog import Flight
@@ -41,6 +41,7 @@ class Job:
     seed: int
     number: int
     bathymetry: str = ""  # a file of depths
+    given: tuple[str, ...] = ()  # settings that are not drawn
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,6 +64,7 @@ class Flown:
     achieved: tuple[Achieved, ...] = ()
     bathymetry: str = ""
     clearance: float | None = None  # m of water under it, the least; where the file knows the floor
+    legs: tuple[str, ...] = ()  # those that were flown, each once
 
     @property
     def covered(self) -> float:
@@ -79,12 +81,13 @@ def rehearsed(
     at: Place,
     kept: Kept[Flown] | None = None,
     bathymetry: str = "",
+    given: tuple[str, ...] = (),
 ) -> Iterator[Flown | Lost]:
     """In the order of their numbers, whatever works on them. ``bathymetry``: a file that can be
-    read, wherever they are flown."""
-    given = tuple(sorted(parameters.items()))
+    read, wherever they are flown. ``given``: settings of every flight, that can be read."""
+    named = tuple(sorted(parameters.items()))
     jobs = [
-        Job(prepared.text, prepared.source, vehicle, given, seed, number, bathymetry)
+        Job(prepared.text, prepared.source, vehicle, named, seed, number, bathymetry, given)
         for number in range(flights)
     ]
     return results(_one, jobs, at, lambda job: f"flight {job.number}", kept)
@@ -98,7 +101,7 @@ def _one(job: Job) -> Flown:
 def _flown(job: Job) -> Flown:
     prepared, judge = _prepared(job.text, job.source, job.vehicle, job.parameters)
     mission, vehicle = prepared.mission, prepared.vehicle
-    settings = drawn(mission, vehicle, job.seed, job.number)
+    settings = sea_of(mission, vehicle, job.seed, job.number, job.given)
     sea, depths = parse_settings(settings), _depths(job.bathymetry)
     if depths is not None:
         sea = over(sea, mission, depths)
@@ -120,6 +123,7 @@ def _flown(job: Job) -> Flown:
         achieved=achieved_by(flight, mission, covered),
         bathymetry=job.bathymetry,
         clearance=None if near is None else near.least,
+        legs=tuple(dict.fromkeys(leg.name.partition("#")[0] for leg in flight.legs)),
     )
 
 

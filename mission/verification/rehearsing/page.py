@@ -26,7 +26,8 @@ def _chapters(made: Rehearsal, source: str, seed: int) -> Iterator[Chapter]:
     done = made.outcomes.get("completed", 0)
     said = f"{done} of {made.flights} flights completed: {low:.1%} to {high:.1%} (95 %)"
     outcomes = tuple((name, str(count)) for name, count in sorted(made.outcomes.items()))
-    yield Chapter("What came of them", (said,), (Table(("outcome", "flights"), outcomes),))
+    given = tuple(f"In every flight: {text}" for text in made.given)
+    yield Chapter("What came of them", (said, *given), (Table(("outcome", "flights"), outcomes),))
     yield Chapter("Spreads", (), (Table(("", "5 %", "half", "95 %"), (*_spreads(made),)),))
     if made.reached:
         rows = tuple(
@@ -40,6 +41,9 @@ def _chapters(made: Rehearsal, source: str, seed: int) -> Iterator[Chapter]:
     )
     head = ("of the flights", "north of home, m", "east, m", "half axes, m")
     yield Chapter("Where it comes up", (), (Table(head, regions),))
+    legs = tuple((leg, str(count)) for leg, count in made.legs.items())
+    never = (f"Never flown: {', '.join(made.never)}",) if made.never else ()
+    yield Chapter("Legs", never, (Table(("leg", "flights that came to it"), legs),))
     near = tuple((name, f"{share:.0%}") for name, share in made.near.items())
     yield Chapter("Limits", (), (Table(("limit", "used at most"), near),))
     worst = tuple(

@@ -6,7 +6,7 @@ import math
 import shlex
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 from mission.verification.rehearsing.flights import Flown
@@ -56,10 +56,20 @@ class Rehearsal:
     near: dict[str, float]  # of each limit, the greatest share that any flight used
     worst: tuple[Flown, ...]
     clearance: tuple[Spread, int] | None = None  # m over the floor of a file; flights aground
+    legs: dict[str, int] = field(default_factory=dict)  # in how many flights each was flown
+    given: tuple[str, ...] = ()  # settings of every flight
+
+    @property
+    def never(self) -> tuple[str, ...]:
+        """Legs that no flight came to."""
+        return tuple(leg for leg, flights in self.legs.items() if not flights)
 
 
-def report_of(flown: Sequence[Flown]) -> Rehearsal:
-    """Of at least one flight."""
+def report_of(
+    flown: Sequence[Flown], legs: Sequence[str] = (), given: Sequence[str] = ()
+) -> Rehearsal:
+    """Of at least one flight; ``legs`` of the mission."""
+    came = Counter(leg for f in flown for leg in f.legs)
     completed = sum(f.outcome == "completed" for f in flown)
     return Rehearsal(
         flights=len(flown),
@@ -74,6 +84,8 @@ def report_of(flown: Sequence[Flown]) -> Rehearsal:
         near={name: max(dict(f.near)[name] for f in flown) for name, _ in flown[0].near},
         worst=tuple(sorted(flown, key=_goodness)[:WORST]),
         clearance=_clearance([f.clearance for f in flown if f.clearance is not None]),
+        legs={leg: came[leg] for leg in legs},
+        given=tuple(given),
     )
 
 
@@ -140,7 +152,7 @@ def regions(places: Sequence[tuple[float, float]]) -> tuple[Region, ...]:
 
 def again(flown: Flown, source: str, seed: int) -> str:
     """The command that flies it once more."""
-    said = " ".join(f"--set {text}" for text in flown.settings)
+    said = " ".join(f"--set {shlex.quote(text)}" for text in flown.settings)
     floor = f" --bathymetry {shlex.quote(flown.bathymetry)}" if flown.bathymetry else ""
     return f"auvmission simulate {source} --seed {seed + flown.number} {said}{floor}"
 
@@ -152,6 +164,7 @@ def as_text(made: Rehearsal, source: str, seed: int) -> str:
     done = made.outcomes.get("completed", 0)
     low, high = made.chance
     rows = [
+        *(f"set               {text}" for text in made.given),
         f"completed         {done} of {made.flights}: {low:.1%} to {high:.1%} (95 %)",
         *(f"  {name:15} {count}" for name, count in sorted(made.outcomes.items())),
         f"{'':18}{'5 %':>9}{'half':>9}{'95 %':>9}",
@@ -171,6 +184,8 @@ def as_text(made: Rehearsal, source: str, seed: int) -> str:
     for r in made.regions:
         axes = f"{r.axes[0]:.0f} by {r.axes[1]:.0f} m about"
         rows.append(f"surfaced, {r.share:.0%}     {axes} north {r.north:.0f} east {r.east:.0f} m")
+    if made.never:
+        rows.append(f"never flown       {', '.join(made.never)}")
     used = ", ".join(f"{name} {share:.0%}" for name, share in made.near.items())
     rows += [f"limits, at most   {used}", "the worst, and how to fly them again"]
     for f in made.worst:
@@ -188,6 +203,7 @@ def as_object(made: Rehearsal, source: str, seed: int) -> dict[str, Any]:
     return {
         "flights": made.flights,
         "seed": seed,
+        "set": list(made.given),
         "outcomes": made.outcomes,
         "completion_95": [round(p, 4) for p in made.chance],
         "time_s": _spread(made.time),
@@ -212,6 +228,8 @@ def as_object(made: Rehearsal, source: str, seed: int) -> dict[str, Any]:
             }
             for r in made.regions
         ],
+        "legs": made.legs,
+        "never_flown": list(made.never),
         "limits_used": {name: round(share, 3) for name, share in made.near.items()},
         "worst": [
             {

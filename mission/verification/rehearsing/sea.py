@@ -8,17 +8,32 @@
 
 Everything else (noise, slow errors, when the receiver finds its first fix) follows from the seed.
 What is drawn is said in the texts of ``simulate --set``, so that any flight can be flown again.
+What is given in such a text is as given in every flight, and nothing is drawn for it.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from random import Random
 
 from mission.authoring.check.assumptions import SPEED_SHARE, TWO_SIGMA
 from mission.model import Mission
 from mission.model.vehicle import Vehicle
 from mission.verification.rig.vehicle import body_of
+
+
+def sea_of(
+    mission: Mission, vehicle: Vehicle, seed: int, number: int, given: Sequence[str]
+) -> tuple[str, ...]:
+    """What is drawn for flight ``number``, but for what ``given`` sets, and then that."""
+    keys = {_key(text) for text in given}
+    kept = (text for text in drawn(mission, vehicle, seed, number) if _key(text) not in keys)
+    return (*kept, *given)
+
+
+def _key(text: str) -> str:
+    return text.partition("=")[0].strip()
 
 
 def drawn(mission: Mission, vehicle: Vehicle, seed: int, number: int) -> tuple[str, ...]:
