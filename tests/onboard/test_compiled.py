@@ -8,6 +8,7 @@ import importlib.machinery
 import importlib.util
 import os
 import pickle
+import re
 import runpy
 import shutil
 import subprocess
@@ -230,6 +231,9 @@ def test_the_doctor_says_which_build_it_is() -> None:
     assert compiled.build() in str(finding)
 
 
+TAKEN = re.compile(r'"(?:wall_s|real_time_factor)": [0-9.e+]+')  # which is to differ
+
+
 @pytest.mark.parametrize("profile", ["as-built", "documented"])
 @pytest.mark.parametrize("mission", ["first-dive", "loiter", "yoyo-profile"])
 def test_a_compiled_flight_prints_and_records_the_same_bytes(
@@ -239,7 +243,9 @@ def test_a_compiled_flight_prints_and_records_the_same_bytes(
     pure, quick = both(
         "simulate", path, "--profile", profile, "--seed", "7", "--json", folder=tmp_path
     )
-    assert pure == quick
+    assert len(TAKEN.findall(pure)) == 2
+    assert TAKEN.sub("", pure) == TAKEN.sub("", quick)
+    assert pure.startswith("exit 0")
 
 
 @pytest.mark.parametrize("number", range(3))
