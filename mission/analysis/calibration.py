@@ -1,16 +1,16 @@
 """Calibration from dives with fixes: speed, compass, current, noise of the motion and the sensors.
 
-Each log is filtered with wide priors; what its fixes taught about speed scale, compass bias, its
-deviation and the current is the information that its posterior has beyond the prior (Maybeck,
-Stochastic Models, Estimation, and Control 1, 1979, ch. 5.7). A scale, a bias and a current are not
-the same every day: by how much they differ is found first (pooling), and one day's log counts
-as an estimate of the mean with that variance on top. What is written as a sigma is how far
-another day may be from the mean. A current is that of the waters of the last log.
+What the fixes of each log taught about speed scale, compass bias, its deviation and the current is
+found by itself (information). A scale, a bias and a current are not the same every day: by how much
+they differ is found first (pooling), and one day's log counts as an estimate of the mean with that
+variance on top. What is written as a sigma is how far another day may be from the mean. A current
+is that of the waters of the last log.
 
 A figure is taken over only where the logs know it better than the vehicle file says it is known, or
 contradict that; else it stays as it was, and so does its sigma (FIGURES: what would teach it).
 
-What does not live here: noise (courses, noise), the proof by dives (missed), the texts (lessons).
+What does not live here: noise (courses, noise), drift and the proof by dives (adrift, missed), the
+texts (lessons).
 """
 
 from __future__ import annotations
@@ -22,55 +22,36 @@ from statistics import median
 
 import numpy as np
 
+from mission.analysis.adrift import Drift, drift, with_drift
 from mission.analysis.courses import KEPT, Inputs, Motion, courses, motion
 from mission.analysis.floating import Rise, rise_of
-from mission.analysis.missed import Stretch, compare, trust
-from mission.analysis.noise import sensed
+from mission.analysis.information import (
+    DAY,
+    FIGURES,
+    FITTED,
+    Figure,
+    Information,
+    information,
+    precision,
+)
+from mission.analysis.missed import Stretch, compare, share_of, widened
+from mission.analysis.noise import of_velocity, sensed
 from mission.analysis.pooling import FEW, Pooled, pool
 from mission.model import Position
 from mission.model.vehicle import Vehicle
 from mission.navigation.filter import Array
 from mission.navigation.geodesy import LocalFrame
-from mission.navigation.model import CE, CN, COMPASS, COS, SCALE, SIN, STATES
-from mission.navigation.navigator import Navigation
 from protocol.messages import Fix
 
-_FITTED = (SCALE, COMPASS, SIN, COS, CN, CE)
 _CONTRADICTS = 3.0  # sigmas between logs and vehicle file
 _SAME_WATERS = 20_000.0  # m between two logs
-_DAY = 0.05  # m/s: no current is known better for another day
 _TAUGHT = 0.5  # of the width at which a log may look: what it knows worse it does not know
-_NEXT = 1.5  # s between two fixes of which one is soon after the other
-_DIVES = 4  # so many may narrow the figures; any may widen them
 
 
 class CalibrationError(ValueError):
     """The operator must act: these logs cannot calibrate; says what is missing."""
 
 
-@dataclass(frozen=True, slots=True)
-class Figure:
-    """A row of what is fitted: which of ``_FITTED``, how wide the logs may look for it, the least
-    sigma that is believed, what a log must hold to teach it, and whether days differ in it."""
-
-    name: str
-    states: tuple[int, ...]
-    wide: float
-    least: float
-    fly: str
-    daily: bool = True
-
-
-FIGURES = (
-    Figure("speed_scale", (0,), 0.5, 0.02,
-           "legs of a minute or more there and back at the gears of the missions"),
-    Figure("heading_bias", (1,), math.radians(15.0), math.radians(1.0),
-           "legs of a minute or more on two headings or more"),
-    Figure("deviation", (2, 3), math.radians(4.0), math.radians(0.5),
-           "legs of a minute or more on four headings or more, all round", daily=False),
-    Figure("current", (4, 5), 0.5, _DAY,
-           "surface-shakedown on two days or more in the same waters"),
-)  # fmt: skip
 _CURRENT = len(FIGURES) - 1
 
 
@@ -97,6 +78,7 @@ class Calibrated:
     copies: tuple[tuple[int, int], ...] = ()  # logs that were left out, and of which they are
     waters: Position | None = None  # where the current was found
     trusted: float = 1.0  # what moves a position was multiplied by, after the dives
+    drift: Drift | None = None  # of the surface; None: no dive tells it
 
     def percent(self) -> tuple[float, float]:
         """Median error before and after, in % of distance."""
@@ -117,19 +99,22 @@ def calibrate(logs: Sequence[Inputs], vehicle: Vehicle) -> Calibrated:
     logs = [logs[i] for i in once]
     moved = motion([course for log in logs for course in courses(log, vehicle)])
     begun, quiet = _moving(vehicle, moved)
-    taught = [_information(log, begun) for log in logs]
+    begun, silent = _afloat(begun, logs)
+    taught = [information(log, begun) for log in logs]
+    held_out = len(logs) > 1  # else the dives would judge what they taught
+    adrift = drift(logs, _tried(begun, vehicle, taught)) if held_out else None
+    if adrift is not None:
+        begun = with_drift(begun, adrift.share, adrift.length)
+        taught = [information(log, begun) for log in logs]
     fit = _fit(begun, vehicle, taught)
     done, unheard = sensed(fit.vehicle, logs, [s for t in taught for s in t.squares])
-    held_out = len(logs) > 1
     stretches: list[Stretch] = []
-    for i, log in enumerate(logs):
-        others = [t for j, t in enumerate(taught) if j != i]
-        tried = _fit(begun, vehicle, others).vehicle if held_out else fit.vehicle
-        stretches += compare(once[i], log, vehicle, tried)
+    for i, tried in enumerate(_tried(begun, vehicle, taught)):
+        stretches += compare(once[i], logs[i], vehicle, tried)
     learned = not quiet or any(lesson.taken for lesson in fit.lessons)
-    share = _share(stretches, proves=held_out or not learned)
+    share = share_of(stretches, proves=held_out or not learned)
     rise = rise_of(logs, vehicle.sensors.depth)
-    done = _widened(done, share)
+    done = widened(done, share)
     if rise is not None:
         done = replace(done, ascent_buoyancy=rise.at_least, ascent_measured=rise.day)
     return Calibrated(
@@ -138,12 +123,13 @@ def calibrate(logs: Sequence[Inputs], vehicle: Vehicle) -> Calibrated:
         stretches=tuple(stretches),
         held_out=held_out,
         lessons=fit.lessons,
-        unheard=(*unheard, *quiet),
+        unheard=(*unheard, *quiet, *silent),
         rise=rise,
         apart=tuple((once[i], name) for i, name in fit.apart),
         copies=copies,
         waters=taught[-1].origin,
         trusted=share,
+        drift=adrift,
     )
 
 
@@ -164,7 +150,8 @@ def _moving(vehicle: Vehicle, moved: Motion | None) -> tuple[Vehicle, tuple[str,
     known = vehicle.calibration
     if moved is None:
         return vehicle, ("motion",)
-    if moved.sure > _TAUGHT * max(moved.along, known.speed_noise):
+    few = math.sqrt(0.5 * KEPT / moved.seconds)  # of a sigma: what one kept so long varies by
+    if few > _TAUGHT or moved.sure > _TAUGHT * max(moved.along, known.speed_noise):
         return vehicle, ("motion",)
     scale = known.speed_scale * min(max(moved.scale, 0.3), 4.0)
     known = replace(
@@ -177,50 +164,23 @@ def _moving(vehicle: Vehicle, moved: Motion | None) -> tuple[Vehicle, tuple[str,
     return replace(vehicle, calibration=known), ()
 
 
-def _share(stretches: Sequence[Stretch], *, proves: bool) -> float:
-    """``proves``: nothing that moves a position was learned from those dives. Else, or where they
-    are few, it never narrows."""
-    share = trust([s.miss for s in stretches])
-    return share if proves and len(stretches) >= _DIVES else max(share, 1.0)
+def _afloat(vehicle: Vehicle, logs: Sequence[Inputs]) -> tuple[Vehicle, tuple[str, ...]]:
+    """With the noise of the receiver's speed and course; what is not taught of it."""
+    noise = of_velocity(logs)
+    if noise is None:
+        return vehicle, ("fix_velocity",)
+    return replace(vehicle, calibration=replace(vehicle.calibration, fix_velocity=noise)), ()
 
 
-def _widened(vehicle: Vehicle, share: float) -> Vehicle:
-    """All that moves a position ``share`` times as far off."""
-    known = vehicle.calibration
-    current = vehicle.current if known.current_sigma is None else known.current_sigma
-    if share == 1.0:
-        return vehicle
-    return replace(
-        vehicle,
-        sensors=replace(vehicle.sensors, heading_bias=share * vehicle.sensors.heading_bias),
-        calibration=replace(
-            known,
-            speed_scale_sigma=share * known.speed_scale_sigma,
-            speed_noise=share * known.speed_noise,
-            sway_noise=share * known.sway_noise,
-            deviation_sigma=share * known.deviation_sigma,
-            compass_wander=share * known.compass_wander,
-            current_sigma=share * current,
-            surface_drift=share * known.surface_drift,
-        ),
-    )
+def _tried(begun: Vehicle, vehicle: Vehicle, taught: Sequence[Information]) -> list[Vehicle]:
+    """What reckons each log: fitted to the others, if there are any."""
+    if len(taught) == 1:
+        return [_fit(begun, vehicle, taught).vehicle]
+    others = [[t for t in taught if t is not own] for own in taught]
+    return [_fit(begun, vehicle, each).vehicle for each in others]
 
 
 # --- fit -----------------------------------------------------------------------------------------
-
-
-@dataclass(frozen=True, slots=True)
-class _Information:
-    """Of one log, about (scale - 1, bias, sin, cos, current north, east), beyond the prior;
-    ``found`` and ``variances``: by this log alone. ``squares``: see ``noise.sensed``."""
-
-    matrix: Array  # 6 x 6
-    vector: Array
-    found: Array
-    variances: Array
-    declination: float
-    origin: Position | None
-    squares: tuple[float, ...]
 
 
 def _believed(vehicle: Vehicle) -> tuple[float, float, float, float]:
@@ -228,40 +188,6 @@ def _believed(vehicle: Vehicle) -> tuple[float, float, float, float]:
     known = vehicle.calibration
     current = vehicle.current if known.current_sigma is None else known.current_sigma
     return known.speed_scale_sigma, vehicle.sensors.heading_bias, known.deviation_sigma, current
-
-
-def _precision(sigmas: Sequence[float]) -> Array:
-    """Diagonal, of the six; ``sigmas`` of ``FIGURES``."""
-    wide = [s for row, s in zip(FIGURES, sigmas, strict=True) for _ in row.states]
-    return np.diag([1.0 / s**2 for s in wide])
-
-
-def _information(log: Inputs, vehicle: Vehicle) -> _Information:
-    scale, bias, deviation, current = (row.wide for row in FIGURES)
-    wide = replace(
-        vehicle,
-        sensors=replace(vehicle.sensors, heading_bias=bias),
-        calibration=replace(
-            vehicle.calibration, speed_scale_sigma=scale, deviation_sigma=deviation,
-            current=(0.0, 0.0), current_sigma=current,
-        ),
-    )  # fmt: skip
-    nav, squares = Navigation(wide), list[float]()
-    for item in log:
-        if not isinstance(item, Fix):
-            nav.telemetry(item)
-            continue
-        last = nav.core.last_fix
-        nav.fix(item)
-        if last is not None and item.t - last < _NEXT and nav.core.fix_nis is not None:
-            squares.append(item.accuracy**2 * nav.core.fix_nis)
-    x = (nav.core.filter.x - np.eye(STATES)[SCALE])[list(_FITTED)]
-    p = nav.core.filter.covariance[np.ix_(_FITTED, _FITTED)]
-    matrix, prior = np.linalg.inv(p), _precision([row.wide for row in FIGURES])
-    origin = None if nav.frame is None else nav.frame.origin
-    return _Information(
-        matrix - prior, matrix @ x, x, np.diag(p).copy(), nav.declination, origin, tuple(squares)
-    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -281,8 +207,8 @@ class _Fit:
     apart: tuple[tuple[int, str], ...]
 
 
-def _days(taught: Sequence[_Information]) -> _Days:
-    between, apart = np.zeros(len(_FITTED)), set[tuple[int, str]]()
+def _days(taught: Sequence[Information]) -> _Days:
+    between, apart = np.zeros(len(FITTED)), set[tuple[int, str]]()
     near = tuple(i for i, t in enumerate(taught) if _same_waters(t.origin, taught[-1].origin))
     for row in (row for row in FIGURES if row.daily):
         among = near if row.name == "current" else tuple(range(len(taught)))
@@ -295,7 +221,7 @@ def _days(taught: Sequence[_Information]) -> _Days:
 
 
 def _pooled(
-    row: Figure, state: int, among: Sequence[int], taught: Sequence[_Information]
+    row: Figure, state: int, among: Sequence[int], taught: Sequence[Information]
 ) -> tuple[tuple[int, ...], Pooled]:
     """Of the logs that teach it, by their indices."""
     ids = tuple(i for i in among if taught[i].variances[state] < (_TAUGHT * row.wide) ** 2)
@@ -310,13 +236,13 @@ def _same_waters(one: Position | None, other: Position | None) -> bool:
     return math.hypot(*LocalFrame(one).to_local(lat, lon)) < _SAME_WATERS
 
 
-def _fit(begun: Vehicle, vehicle: Vehicle, taught: Sequence[_Information]) -> _Fit:
+def _fit(begun: Vehicle, vehicle: Vehicle, taught: Sequence[Information]) -> _Fit:
     """What is kept counts as sure as the vehicle file says while the others are fitted; of those
     that the logs do not teach the least taught is kept first, the others may be clear then."""
-    days = _days(taught) if taught else _Days(np.zeros(len(_FITTED)), frozenset(), ())
+    days = _days(taught) if taught else _Days(np.zeros(len(FITTED)), frozenset(), ())
     good = [t for i, t in enumerate(taught) if i not in {i for i, _ in days.apart}]
     before = [max(s, 1e-4) for s in _believed(vehicle)]
-    was = np.zeros(len(_FITTED))
+    was = np.zeros(len(FITTED))
     was[0] = vehicle.calibration.speed_scale / begun.calibration.speed_scale - 1.0
     kept: dict[int, Lesson] = {}
     if len(days.near) < 2:
@@ -343,16 +269,16 @@ def _fit(begun: Vehicle, vehicle: Vehicle, taught: Sequence[_Information]) -> _F
 
 
 def _solved(
-    priors: Sequence[float], taught: Sequence[_Information], days: _Days, *, current_known: bool
+    priors: Sequence[float], taught: Sequence[Information], days: _Days, *, current_known: bool
 ) -> tuple[Array, Array, Array]:
     """The six, and their sigmas for another day and as a mean of all days. Where the current is not
     to be known, each log had one of its own."""
     between = days.between.copy()
     now = list(FIGURES[_CURRENT].states)
-    between[now] = max(between[now][0], _DAY**2) if current_known else priors[_CURRENT] ** 2
-    matrix, vector = _precision(priors), np.zeros(len(_FITTED))
+    between[now] = max(between[now][0], DAY**2) if current_known else priors[_CURRENT] ** 2
+    matrix, vector = precision(priors), np.zeros(len(FITTED))
     for t in taught:
-        other = np.eye(len(_FITTED)) + t.matrix * between
+        other = np.eye(len(FITTED)) + t.matrix * between
         matrix = matrix + np.linalg.solve(other, t.matrix)
         vector = vector + np.linalg.solve(other, t.vector)
     covariance = np.linalg.inv(matrix)
@@ -389,7 +315,7 @@ def _with(
     )
     if lessons[_CURRENT].taken:
         few = near / (near + 1.0)
-        done = replace(done, current=(few * north, few * east), current_sigma=max(told[3], _DAY))
+        done = replace(done, current=(few * north, few * east), current_sigma=max(told[3], DAY))
     return replace(
         vehicle,
         compass_bias=vehicle.compass_bias + bias,

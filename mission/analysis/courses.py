@@ -8,8 +8,10 @@ and the compass's bias b are fitted by least squares over means of ``STEP`` s,
 
 with u the speed that the thrusters let expect. What is left along the bow is the slow noise of the
 speed (the part of which that v has swallowed is put back), what is left across it the sway; the
-receiver's white noise, by third differences of its places, is taken off both. Of many courses
-the median counts: one that was disturbed changes nothing.
+receiver's white noise, by third differences, is taken off both. Velocities over ``STEP`` are those
+of the fixes' places, or, where that noise is less, the receiver's own speed and course: those on a
+steady course alone, as the filter takes them. Of many courses the median counts: one that was
+disturbed changes nothing.
 
 What does not live here: what many logs say together (pooling, calibration).
 """
@@ -18,7 +20,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from statistics import median
 
 import numpy as np
@@ -37,31 +39,39 @@ KEPT, SWAY = 200.0, 10.0  # s: a speed is kept for minutes, a sway is not
 _APART = 10.0  # s between two fixes or reports of one course
 _UNDER_WAY = 0.3  # m/s by the thrusters: slower is no course
 _RIDGE, _ROUGH = 0.2, 0.15  # m/s: how far a current is expected to be from none; of a velocity
+_TURNS, _GATHERS = 0.15, 0.05  # rad, m/s between two windows: not steady
+_SETTLES = 2  # windows after that
 _SURE = 0.5  # of a sigma: what is known worse is not known
 
 
 @dataclass(frozen=True, slots=True)
 class Course:
     """Rows are reports: ``t`` s, ``ahead`` and ``place`` n x 2, m: where the thrusters' speed alone
-    would have led, and where it was by its fixes; ``speed`` the mean of the thrusters' speed."""
+    would have led, and where it was by its fixes, or by the receiver's speed and course, whichever
+    tells more; ``speed`` the mean of the thrusters' speed; ``noise`` the receiver's, (m/s)^2, in a
+    velocity over ``STEP``; ``counts`` which windows of ``STEP`` tell how evenly it swims;
+    ``by_velocity``: by the receiver's speed and course."""
 
     t: Array
     ahead: Array
     place: Array
     speed: float
-    white: float  # m, of the fixes
+    noise: float
+    counts: NDArray[np.bool_]
+    by_velocity: bool
 
 
 @dataclass(frozen=True, slots=True)
 class Motion:
     """``scale``: what the thrusters' speed is to be multiplied by. ``along``: one sigma of the
     speed, m/s; ``across``: of the sway, as a share of the speed. ``sure``: how well both are
-    known, m/s."""
+    known by what the receiver hides, m/s; ``seconds`` of courses in all."""
 
     scale: float
     along: float
     across: float
     sure: float
+    seconds: float
 
 
 def courses(log: Inputs, vehicle: Vehicle) -> list[Course]:
@@ -71,7 +81,8 @@ def courses(log: Inputs, vehicle: Vehicle) -> list[Course]:
         if isinstance(item, Fix):
             nav.fix(item)
             if nav.frame is not None and nav.core.last_fix == item.t:
-                fixes.append((item.t, *nav.frame.to_local(item.latitude, item.longitude)))
+                here = nav.frame.to_local(item.latitude, item.longitude)
+                fixes.append((item.t, *here, *_velocity(item)))
             continue
         nav.telemetry(item)
         known = nav.core.heading is not None and nav.core.heading_loss(item.t) == 0.0
@@ -83,8 +94,15 @@ def courses(log: Inputs, vehicle: Vehicle) -> list[Course]:
     return _cut(np.array(rows), np.array(fixes))
 
 
+def _velocity(f: Fix) -> tuple[float, float]:
+    """North, east; NaN where the receiver says none."""
+    if f.speed is None or f.course is None:
+        return math.nan, math.nan
+    return f.speed * math.cos(f.course), f.speed * math.sin(f.course)
+
+
 def _cut(rows: Array, fixes: Array) -> list[Course]:
-    """``rows``: t, heading, speed (NaN: no course). ``fixes``: t, north, east."""
+    """``rows``: t, heading, speed (NaN: no course). ``fixes``: t, place, velocity."""
     t, at = rows[:, 0], fixes[:, 0]
     i = np.clip(np.searchsorted(at, t), 1, len(at) - 1)
     covered = (t >= at[0]) & (t <= at[-1]) & (at[i] - at[i - 1] <= _APART)
@@ -99,9 +117,39 @@ def _course(rows: Array, fixes: Array) -> Course:
     velocity = speed[:, None] * np.column_stack((np.cos(heading), np.sin(heading)))
     steps = 0.5 * (velocity[1:] + velocity[:-1]) * np.diff(t)[:, None]
     ahead = np.vstack((np.zeros(2), np.cumsum(steps, axis=0)))
-    place = np.column_stack([np.interp(t, fixes[:, 0], fixes[:, k]) for k in (1, 2)])
+    (by_places, place), (by_way, way) = _placed(t, fixes), _made_good(t, fixes)
+    steady, swum = _steady(_windows(t, ahead)), float(np.mean(speed))
+    if by_way < by_places and steady.sum() * STEP >= SHORTEST:
+        return Course(t, ahead, way, swum, by_way, steady, by_velocity=True)
+    return Course(t, ahead, place, swum, by_places, np.ones_like(steady), by_velocity=False)
+
+
+def _windows(t: Array, track: Array) -> Array:
+    """Mean velocities over ``STEP``, n x 2."""
+    at = np.arange(t[0], t[-1], STEP)
+    moved: Array = np.diff([np.interp(at, t, track[:, k]) for k in (0, 1)], axis=1).T / STEP
+    return moved
+
+
+def _placed(t: Array, fixes: Array) -> tuple[float, Array]:
+    """The noise of a velocity over ``STEP``, and the places at ``t``."""
     inside = fixes[(fixes[:, 0] >= t[0]) & (fixes[:, 0] <= t[-1])]
-    return Course(t, ahead, place, float(np.mean(speed)), white(inside[:, 1:].T))
+    place = np.column_stack([np.interp(t, fixes[:, 0], fixes[:, k]) for k in (1, 2)])
+    return 2.0 * (white(inside[:, 1:3].T) / STEP) ** 2, place
+
+
+def _made_good(t: Array, fixes: Array) -> tuple[float, Array]:
+    """The same by the way that the receiver's velocities make; without them nothing is known."""
+    first, last = np.searchsorted(fixes[:, 0], t[[0, -1]], side="right")
+    said = fixes[max(first - 1, 0) : last + 1]  # one before and one after
+    if len(said) < 4 or not np.isfinite(said).all():
+        return math.inf, np.zeros((len(t), 2))
+    at, velocity = said[:, 0], said[:, 3:]
+    steps = 0.5 * (velocity[1:] + velocity[:-1]) * np.diff(at)[:, None]
+    way = np.vstack((np.zeros(2), np.cumsum(steps, axis=0)))
+    place = np.column_stack([np.interp(t, at, way[:, k]) for k in (0, 1)])
+    apart = float(at[-1] - at[0]) / (len(at) - 1)
+    return white(velocity.T) ** 2 * apart / STEP, place
 
 
 def white(series: Sequence[Sequence[float]] | Array) -> float:
@@ -114,21 +162,29 @@ def motion(found: Sequence[Course]) -> Motion | None:
     """The medians over the courses; None without one."""
     if not found:
         return None
-    fits = np.array([_fit(course) for course in found])
+    fits = np.array([_fit(course) for course in _evened(found)])
     scale, along, across, noise = (float(v) for v in np.median(fits, axis=0))
-    windows = sum((c.t[-1] - c.t[0]) / STEP for c in found)
+    windows = sum(int(c.counts.sum()) for c in found)
     sure = math.sqrt(noise / math.sqrt(windows))
     speed = float(np.median([c.speed for c in found])) * scale
-    return Motion(scale, math.sqrt(max(along, 0.0)), math.sqrt(max(across, 0.0)) / speed, sure)
+    seconds = sum(float(c.t[-1] - c.t[0]) for c in found)
+    bow, side = math.sqrt(max(along, 0.0)), math.sqrt(max(across, 0.0)) / speed
+    return Motion(scale, bow, side, sure, seconds)
+
+
+def _evened(found: Sequence[Course]) -> list[Course]:
+    """Of velocities the noise is the receiver's, the same on all courses: one alone tells it to a
+    sixth, which is as much as the speed's own noise."""
+    told = [course.noise for course in found if course.by_velocity]
+    noise = median(told) if told else math.nan
+    return [replace(c, noise=noise) if c.by_velocity else c for c in found]
 
 
 def _fit(course: Course) -> tuple[float, float, float, float]:
     """Share of the thrusters' speed; mean squares along and across, less the fixes' part, and
     that part ((m/s)^2)."""
-    at = np.arange(course.t[0], course.t[-1], STEP)
     ahead, velocity = (
-        np.diff([np.interp(at, course.t, track[:, k]) for k in (0, 1)], axis=1).T / STEP
-        for track in (course.ahead, course.place)
+        _windows(course.t, track)[course.counts] for track in (course.ahead, course.place)
     )
     n = len(velocity)
     rows = np.zeros((2 * n + 2, 4))
@@ -141,10 +197,23 @@ def _fit(course: Course) -> tuple[float, float, float, float]:
     left = (values - rows @ x)[: 2 * n].reshape(2, n)
     bow = (ahead / np.linalg.norm(ahead, axis=1, keepdims=True)).T
     along, across = (left * bow).sum(axis=0), left[1] * bow[0] - left[0] * bow[1]
-    fixes = 2.0 * (course.white / STEP) ** 2
-    unseen = in_the_mean((at[-1] - at[0]) / KEPT)
-    slow = (float(np.mean(along * along)) - fixes) / (1.0 - unseen)
-    return float(x[0]), slow, float(np.mean(across * across)) - fixes, fixes
+    unseen = in_the_mean(STEP * len(course.counts) / KEPT)
+    noise = course.noise * (1.0 - 2.0 / n)  # what a fit of four leaves of it
+    slow = (float(np.mean(along * along)) - noise) / (1.0 - unseen)
+    return float(x[0]), slow, float(np.mean(across * across)) - noise, noise
+
+
+def _steady(ahead: Array) -> NDArray[np.bool_]:
+    """Windows without a turn or a change of speed, and not the ``_SETTLES`` after: how a hull slips
+    and gathers way is the filter's matter."""
+    speed = np.hypot(*ahead.T)
+    turned = ahead[1:, 0] * ahead[:-1, 1] - ahead[1:, 1] * ahead[:-1, 0]
+    angle = np.abs(np.arctan2(turned, (ahead[1:] * ahead[:-1]).sum(axis=1)))
+    changes = (angle > _TURNS) | (np.abs(np.diff(speed)) > _GATHERS)
+    out = np.zeros(len(ahead), dtype=bool)
+    for i in np.flatnonzero(changes):
+        out[i : i + 2 + _SETTLES] = True
+    return ~out
 
 
 def in_the_mean(x: float) -> float:

@@ -8,8 +8,10 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Mapping, Sequence
 
-from mission.analysis.calibration import FIGURES, Calibrated, Lesson
+from mission.analysis.adrift import ENOUGH as DIVES
+from mission.analysis.calibration import Calibrated, Lesson
 from mission.analysis.floating import ENOUGH as RISES
+from mission.analysis.information import FIGURES
 from mission.analysis.noise import ENOUGH
 from mission.model import Position
 from mission.model.units import quantity
@@ -21,10 +23,12 @@ _HEARD = {
     "altitude": "a minute of reports with an echo",
     "heading": "a minute of reports under way",
     "fix": "half a minute at the surface with a fix every second",
+    "fix_velocity": "half a minute at the surface with speed and course from the receiver",
     "motion": "legs of a minute or more at the surface with a fix every second, by a receiver that "
-    "is good to some decimetres (speed_noise and sway_noise)",
+    "tells speed and course, or is good to some decimetres (speed_noise and sway_noise)",
 }
-_NAMES = (*_HEARD, *(row.name for row in FIGURES))
+_DRIFT = "surface_drift"
+_NAMES = (*_HEARD, _DRIFT, *(row.name for row in FIGURES))
 
 
 def untaught(done: Calibrated) -> list[str]:
@@ -41,6 +45,12 @@ def untaught(done: Calibrated) -> list[str]:
         f"can be compared: kept as it was; to teach it log {_HEARD[name]}"
         for name in done.unheard
     ]
+    if not _drift_taught(done):
+        lines.append(
+            f"these logs hold {done.drift.dives if done.drift else 0} dives that end with a fix, "
+            f"and fewer than {DIVES} never narrow {_DRIFT}: kept as it was; to teach it fly, with "
+            "half a minute of fixes before, dives of ten minutes or more that end with a fix"
+        )
     if done.rise is None:
         lines.append(
             f"these logs hold no float test (fewer than {RISES} rises with nothing turning): the "
@@ -48,6 +58,10 @@ def untaught(done: Calibrated) -> list[str]:
             "that lets go deeper"
         )
     return lines
+
+
+def _drift_taught(done: Calibrated) -> bool:
+    return done.drift is not None and done.drift.share != 1.0
 
 
 def rise(done: Calibrated) -> str:
@@ -77,6 +91,11 @@ def taught(done: Calibrated) -> list[str]:
         for o in done.lessons
         if o.taken
     ]
+    if done.drift is not None and _drift_taught(done):
+        lines.append(
+            f"{_DRIFT}: {done.drift.share:.2f} times the vehicle file's, by the ends of "
+            f"{done.drift.dives} dives of {done.drift.length / 60.0:.0f} min"
+        )
     if done.trusted != 1.0:
         lines.append(
             f"the dives ended {done.trusted:.2f} times as far off as these figures say: each sigma "
@@ -98,7 +117,8 @@ def left_out(done: Calibrated, names: Sequence[str]) -> list[str]:
 
 def kept(done: Calibrated) -> frozenset[str]:
     """Names of the figures that stay as the vehicle file has them."""
-    return frozenset(o.figure.name for o in done.lessons if not o.taken) | set(done.unheard)
+    still = frozenset() if _drift_taught(done) else frozenset({_DRIFT})
+    return still.union(done.unheard, (o.figure.name for o in done.lessons if not o.taken))
 
 
 def section(vehicle: Vehicle, kept: Collection[str] = (), waters: Position | None = None) -> str:
@@ -154,9 +174,19 @@ def _others(known: Calibration, old: Mapping[str, str]) -> str:
   sway_noise: {known.sway_noise:.4f}{old["motion"]}
   compass_wander: {_deg(known.compass_wander)}
   compass_wander_time: {known.compass_wander_time:g} s
-  surface_drift: {known.surface_drift:.4f} m/s
+  surface_drift: {known.surface_drift:.4f} m/s{old["surface_drift"]}
+  fix_velocity: {known.fix_velocity:.3f} m/s{old["fix_velocity"]}
   current: {{north: {north:.3f}, east: {east:.3f}}}{old["current"]}
-{sigma}"""
+{sigma}{_steady(known)}"""
+
+
+def _steady(known: Calibration) -> str:
+    """How long the current is known to be how steady, where dives told it."""
+    if not known.current_time_for:
+        return ""
+    return f"""  current_time: {known.current_time:.0f} s   # it changes so slowly
+  current_time_for: {known.current_time_for:.0f} s   # after a fix; later as a tide
+"""
 
 
 def _deg(value: float) -> str:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from statistics import median
 
@@ -19,7 +19,13 @@ from mission.navigation.navigator import Navigation
 from protocol.messages import Fix, Telemetry
 
 LONG = 60.0  # s without a fix
-_FIGURED = 4.0  # the figures count as so many dives
+_NARROWS = 4  # dives; fewer may only widen the figures
+# The figures count as so many dives: a median of n has a relative variance of 1 / (n ln(2)^2), and
+# they are right, before any dive, within a factor of 1.5 or so (a variance of 0.66 of the square's
+# logarithm).
+_FIGURED = 3.0
+_TAILS = 4.0  # degrees of freedom of Student's t: one wild dive changes little
+_EVEN = 1.376  # on the squares: so what is normal makes figures neither wider nor narrower
 _MEDIAN = 0.6931  # of chi-square with two degrees of freedom, over them
 
 
@@ -44,11 +50,17 @@ class _Dive:
     distance: float
     error: float
     miss: float
+    spread: float  # logarithm of the determinant of what was expected, m^4
+
+
+def dives(log: Inputs) -> list[float]:
+    """How long each was, s."""
+    fixes = [item.t for item in log if isinstance(item, Fix)]
+    return [b - a for a, b in pairwise(fixes) if b - a >= LONG]
 
 
 def compare(log_number: int, log: Inputs, before: Vehicle, after: Vehicle) -> list[Stretch]:
-    fixes = [item.t for item in log if isinstance(item, Fix)]
-    if not any(b - a >= LONG for a, b in pairwise(fixes)):
+    if not dives(log):
         return []
     one, two = (_missed(log, vehicle) for vehicle in (before, after))
     return [
@@ -64,6 +76,48 @@ def trust(misses: Sequence[float]) -> float:
         return 1.0
     n, found = len(misses), median(misses) / _MEDIAN
     return math.sqrt((_FIGURED + n * found) / (_FIGURED + n))
+
+
+def share_of(stretches: Sequence[Stretch], *, proves: bool) -> float:
+    """``proves``: nothing that moves a position was learned from those dives. Else, or where they
+    are few, it never narrows."""
+    share = trust([s.miss for s in stretches])
+    return share if proves and len(stretches) >= _NARROWS else max(share, 1.0)
+
+
+def widened(vehicle: Vehicle, share: float) -> Vehicle:
+    """All that moves a position ``share`` times as far off."""
+    known = vehicle.calibration
+    current = vehicle.current if known.current_sigma is None else known.current_sigma
+    if share == 1.0:
+        return vehicle
+    return replace(
+        vehicle,
+        sensors=replace(vehicle.sensors, heading_bias=share * vehicle.sensors.heading_bias),
+        calibration=replace(
+            known,
+            speed_scale_sigma=share * known.speed_scale_sigma,
+            speed_noise=share * known.speed_noise,
+            sway_noise=share * known.sway_noise,
+            deviation_sigma=share * known.deviation_sigma,
+            compass_wander=share * known.compass_wander,
+            current_sigma=share * current,
+            surface_drift=share * known.surface_drift,
+        ),
+    )
+
+
+def likelihood(log: Inputs, vehicles: Sequence[Vehicle]) -> list[list[float]]:
+    """Of each vehicle file, the logarithm of the likelihood of where each dive ended."""
+    if not dives(log):
+        return [[] for _ in vehicles]
+    return [[_likely(dive) for dive in _missed(log, vehicle)] for vehicle in vehicles]
+
+
+def _likely(dive: _Dive) -> float:
+    """By Student's t in two dimensions (Lange, Little, Taylor, J. Am. Stat. Assoc. 84, 1989)."""
+    far = math.log1p(_EVEN * 2.0 * dive.miss / _TAILS)
+    return -0.5 * dive.spread - 0.5 * (_TAILS + 2.0) * far
 
 
 def _missed(log: Inputs, vehicle: Vehicle) -> list[_Dive]:
@@ -87,9 +141,11 @@ def _missed(log: Inputs, vehicle: Vehicle) -> list[_Dive]:
     return found
 
 
-def _off(e: Estimate, place: tuple[float, float], sigma: float) -> tuple[float, float]:
-    """Returns the distance, m, and the normalised error squared, d^T (P + sigma^2 I)^-1 d / 2."""
+def _off(e: Estimate, place: tuple[float, float], sigma: float) -> tuple[float, float, float]:
+    """Returns the distance, m, the normalised error squared, d^T (P + sigma^2 I)^-1 d / 2, and the
+    logarithm of the determinant of P + sigma^2 I."""
     dn, de = place[0] - e.north, place[1] - e.east
     a, b, d = e.covariance[0] + sigma**2, e.covariance[1], e.covariance[2] + sigma**2
-    nees = (d * dn * dn - 2.0 * b * dn * de + a * de * de) / (a * d - b * b)
-    return math.hypot(dn, de), 0.5 * nees
+    det = a * d - b * b
+    nees = (d * dn * dn - 2.0 * b * dn * de + a * de * de) / det
+    return math.hypot(dn, de), 0.5 * nees, math.log(det)

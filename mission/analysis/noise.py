@@ -10,6 +10,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
+from itertools import pairwise
 from statistics import median
 from typing import TypeVar
 
@@ -17,11 +18,13 @@ from mission.analysis.courses import Inputs
 from mission.model.vehicle import Sensors, Vehicle
 from mission.navigation.geodesy import EARTH
 from protocol.added import GROUND, PLACE, RANGE, WATER
-from protocol.messages import Aid, Telemetry
+from protocol.messages import Aid, Fix, Telemetry
 
 _Said = TypeVar("_Said")
 LEAST = {WATER: 2e-3, GROUND: 2e-3, PLACE: 0.05, RANGE: 0.05}  # SI: no surer
 _MEDIAN = 1.3863  # of chi-square with two degrees of freedom
+_NEXT = 1.5  # s between two fixes of which one is soon after the other
+_SUREST = 0.05  # m/s: what makers of small receivers promise; slower errors show in no difference
 ENOUGH = 20  # differences without which a noise figure stays as it was
 
 
@@ -41,6 +44,24 @@ def sensed(
     heard = {name: max(s, least) for name, (s, least) in found.items() if s is not None}
     sensors: Sensors = replace(vehicle.sensors, **heard)
     return replace(vehicle, sensors=sensors), tuple(n for n in found if n not in heard)
+
+
+def of_velocity(logs: Sequence[Inputs]) -> float | None:
+    """One sigma of a receiver's speed and course, m/s on each axis, of fixes that come a second
+    after each other; None where there are too few."""
+    found = []
+    for log in logs:
+        fixes = [i for i in log if isinstance(i, Fix) and i.speed is not None]
+        ends = [k for k, (a, b) in enumerate(pairwise(fixes), 1) if b.t - a.t > _NEXT]
+        cuts = [0, *ends, len(fixes)]
+        found += [fixes[a:b] for a, b in pairwise(cuts)]
+    axes = [white_noise(found, partial(_made_good, axis=f)) for f in (math.cos, math.sin)]
+    known = [s for s in axes if s is not None]
+    return max(math.sqrt(sum(s * s for s in known) / len(known)), _SUREST) if known else None
+
+
+def _made_good(f: Fix, axis: Callable[[float], float]) -> float | None:
+    return None if f.speed is None or f.course is None else f.speed * axis(f.course)
 
 
 def of_added(logs: Sequence[Sequence[Aid]], vehicle: Vehicle) -> dict[str, float]:

@@ -134,7 +134,10 @@ class Calibration:
     compass_wander_time: float = 300.0  # s
     current: tuple[float, float] = (0.0, 0.0)
     current_sigma: float | None = None
+    current_time: float = 12.0 * 3600.0  # s, how slowly it changes for the time after a fix
+    current_time_for: float = 0.0  # s; later than that it is 12 h, the pace of a tide
     surface_drift: float = 0.03  # m/s per axis, by wind and waves
+    fix_velocity: float = 0.1  # m/s per axis, of a receiver's speed and course
 
 
 @dataclass(frozen=True, slots=True)

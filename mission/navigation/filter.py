@@ -84,7 +84,8 @@ class Motion(NamedTuple):
     correlation time (rad^2 s) while the compass cannot be believed, ``driven`` how much of the
     speed's deviation there is (none at rest), ``turned`` the angle since the report before,
     ``skid`` the variance (to any side) that a turn adds, per second and (m/s)^2, ``heave`` the way
-    ahead (m/s) that a pitched hull makes by sinking or rising otherwise than along its bow.
+    ahead (m/s) that a pitched hull makes by sinking or rising otherwise than along its bow,
+    ``late`` that the last fix is longer ago than a current is known to be steady for.
     """
 
     heading: float = 0.0
@@ -97,6 +98,7 @@ class Motion(NamedTuple):
     surfaced: bool = False
     skid: float = 0.0
     heave: float = 0.0
+    late: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,6 +107,7 @@ class _Steady:
     with moves the vehicle; the wander's share of Q."""
 
     dt: float = -1.0
+    late: bool = False
     kept: float = 1.0
     current: float = 0.0
     drift: float = 0.0
@@ -124,7 +127,7 @@ class Filter:
         ) * 2
         sigma[SCALE], sigma[DEVIATION] = fig.scale, fig.deviation.sigma
         sigma[COMPASS], sigma[SIN], sigma[COS] = fig.compass.sigma, fig.harmonic, fig.harmonic
-        sigma[WANDER] = math.hypot(fig.wander.sigma, 0.5 * fig.harmonic)  # the second harmonic
+        sigma[WANDER] = math.hypot(fig.wander.sigma, fig.second)  # the second harmonic
         sigma[RATE] = fig.rate.sigma
         self.kalman.x, self.kalman.P = x, np.diag(sigma * sigma)
         self._loosest = _LOOSEST * (sigma * sigma)[:DEPTH]
@@ -199,8 +202,8 @@ class Filter:
         forward = speed * run.along + run.heave
         sway = run.sway * speed
         dn, de = (forward * c - sway * s) * dt, (forward * s + sway * c) * dt
-        if dt != self._steady.dt:
-            self._steady = self._write_steady(dt)
+        if dt != self._steady.dt or run.late != self._steady.late:
+            self._steady = self._write_steady(dt, run.late)
         steady = self._steady
         t_drift = steady.drift if run.surfaced else 0.0
         driven = run.along * run.driven
@@ -229,11 +232,12 @@ class Filter:
             me + steady.kept * (ce - me),
         )
 
-    def _write_steady(self, dt: float) -> _Steady:
-        """What in F and Q depends on ``dt`` alone."""
+    def _write_steady(self, dt: float, late: bool) -> _Steady:
+        """What in F and Q depends on ``dt`` and ``late`` alone."""
         fig, f, q = self.figures, self._f, self._q
+        water = fig.current if late else fig.fresh
         for process, states in (
-            (fig.current, (CN, CE)),
+            (water, (CN, CE)),
             (fig.drift, (WN, WE)),
             (fig.deviation, (DEVIATION,)),
             (fig.compass, (COMPASS,)),
@@ -244,13 +248,14 @@ class Filter:
             for i in states:
                 f[i * STATES + i] = kept
                 q[i * STATES + i] = process.sigma**2 * (1.0 - kept * kept)
-        q[SCALE * STATES + SCALE] = (0.1 * fig.scale) ** 2 * dt / 3600.0
-        kept, drift = fig.current.decay(dt), fig.drift.decay(dt)
+        q[SCALE * STATES + SCALE] = fig.pace**2 * dt / 3600.0
+        kept, drift = water.decay(dt), fig.drift.decay(dt)
         current = 0.5 * dt * (1.0 + kept)
         f[N * STATES + CN] = f[E * STATES + CE] = current
         f[DEPTH * STATES + RATE] = fig.rate.time * (1.0 - fig.rate.decay(dt))
         return _Steady(
             dt=dt,
+            late=late,
             kept=kept,
             current=current,
             drift=0.5 * dt * (1.0 + drift),
@@ -266,7 +271,7 @@ class Filter:
         """
         if abs(run.turned) < _TURN:
             return 0.0
-        return 0.25 * self.figures.harmonic**2 * (1.0 - math.cos(2.0 * run.turned))
+        return self.figures.second**2 * (1.0 - math.cos(2.0 * run.turned))
 
     # --- measurements ------------------------------------------------------------------------
 

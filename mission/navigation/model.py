@@ -27,6 +27,7 @@ from mission.model.vehicle import Vehicle
 N, E, CN, CE, WN, WE, SCALE, DEVIATION, COMPASS, SIN, COS, WANDER = range(12)
 DEPTH, RATE, BOTTOM = range(12, 15)
 STATES = 15
+TIDE = 12.0 * 3600.0  # s, how slowly currents change
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,19 +40,26 @@ class Markov:
     def decay(self, dt: float) -> float:
         return math.exp(-dt / self.time)
 
+    def times(self, share: float) -> Markov:
+        return Markov(share * self.sigma, self.time)
+
 
 @dataclass(frozen=True, slots=True)
 class Figures:
     """One sigma of everything, SI. Those that the vehicle file has come from it."""
 
     current: Markov
+    fresh: Markov  # the current, for ``fresh_for`` s after a fix
+    fresh_for: float
     current_mean: tuple[float, float]
     drift: Markov  # m/s
     scale: float  # relative, one sigma at the start
+    pace: float  # relative, by how much the scale changes in an hour
     deviation: Markov  # m/s
     compass: Markov  # rad
     wander: Markov  # rad
-    harmonic: float  # rad
+    harmonic: float  # rad, of the deviation's first
+    second: float  # rad, of its second
     heading: float  # rad, white, per report
     period: float  # s, of the reports
     sway: Markov  # share of the speed
@@ -64,20 +72,21 @@ class Figures:
 
     def times(self, share: float) -> Figures:
         """All that makes a position wrong below ``share`` times as large."""
-        moved = (self.current, self.drift, self.deviation, self.compass, self.wander, self.sway)
-        current, drift, deviation, compass, wander, sway = (
-            Markov(share * m.sigma, m.time) for m in moved
-        )
+        moved = (self.drift, self.deviation, self.compass, self.wander, self.sway)
+        drift, deviation, compass, wander, sway = (m.times(share) for m in moved)
         return replace(
             self,
-            current=current,
+            current=self.current.times(share),
+            fresh=self.fresh.times(share),
             drift=drift,
             deviation=deviation,
             compass=compass,
             wander=wander,
             sway=sway,
             scale=share * self.scale,
+            pace=share * self.pace,
             harmonic=share * self.harmonic,
+            second=share * self.second,
             heading=share * self.heading,
         )
 
@@ -85,21 +94,27 @@ class Figures:
 def figures(vehicle: Vehicle) -> Figures:
     sensors, known = vehicle.sensors, vehicle.calibration
     current = vehicle.current if known.current_sigma is None else known.current_sigma
+    current = max(current, 1e-4)
     return Figures(
-        current=Markov(max(current, 1e-4), 12.0 * 3600.0),
+        current=Markov(current, TIDE),
+        fresh=Markov(current, known.current_time),
+        fresh_for=known.current_time_for,
         current_mean=known.current,
         drift=Markov(known.surface_drift, 1800.0),
         scale=known.speed_scale_sigma,
+        pace=0.1 * known.speed_scale_sigma,
         deviation=Markov(known.speed_noise, known.speed_time),
         compass=Markov(max(sensors.heading_bias, 1e-3), 8.0 * 3600.0),
         wander=Markov(known.compass_wander, known.compass_wander_time),
         harmonic=known.deviation_sigma,
+        second=0.5 * known.deviation_sigma,
         heading=sensors.heading,
         period=sensors.telemetry_period,
         sway=Markov(known.sway_noise, 10.0),
         rate=Markov(0.12, 200.0),
         depth=sensors.depth,
         altitude=sensors.altitude,
+        ground_velocity=known.fix_velocity,
     )
 
 

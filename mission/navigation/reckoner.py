@@ -179,9 +179,10 @@ class Reckoner:
         """How it moves between two times."""
         m = self._motion
         driven = min(abs(m.expected) / _UNDER_WAY, 1.0)
+        late = self._late(t1)
         if m.heading is None:  # to any side, and to none in the mean
             skid = 2.0 * _LOST_MOST**2 * _LOST_TIME
-            return Motion(0.0, m.expected, 0.0, 0.0, 0.0, driven, 0.0, m.surfaced, skid)
+            return Motion(0.0, m.expected, 0.0, 0.0, 0.0, driven, 0.0, m.surfaced, skid, 0.0, late)
         turned = m.yaw_rate * min(0.5 * (t0 + t1) - m.heading_t, _EXTRAPOLATE)
         arc = m.yaw_rate * (t1 - t0)
         along = m.along * (1.0 - min(arc * arc, 4.0) / 24.0)  # the chord of the arc
@@ -192,8 +193,11 @@ class Reckoner:
             gone = 1.0 - math.exp(-lost / _LOST_TIME)
             skid += 2.0 * lost * gone * gone
         return Motion(
-            heading, m.expected, along, m.sway, lost, driven, arc, m.surfaced, skid, m.heave
+            heading, m.expected, along, m.sway, lost, driven, arc, m.surfaced, skid, m.heave, late
         )
+
+    def _late(self, t: float) -> bool:
+        return self.last_fix is None or t - self.last_fix > self.filter.figures.fresh_for
 
     def _lost(self, t: float) -> float:
         """Extra heading variance times its correlation time, rad^2 s: loss(t)^2 * _LOST_TIME, with

@@ -148,7 +148,7 @@ def test_what_the_logs_do_not_teach_stays_as_the_vehicle_file_has_it() -> None:
     done = calibrate([fly_plan(3, bias_deg=7.0, learning=False).items], VEHICLE)
     assert told(done.vehicle) == told(VEHICLE)
     lines = untaught(done)
-    named = ("speed_scale", "bias", "deviation", "current", "motion", "float test")
+    named = ("speed_scale", "bias", "deviation", "current", "motion", "surface_drift", "float test")
     assert [next(n for n in named if n in line) for line in lines] == [*named]
     assert all("kept as it was; to teach it" in line for line in lines)
 
@@ -162,8 +162,11 @@ def test_no_figure_is_less_known_by_logs_that_agree_with_the_vehicle_file(flown:
     )
     done = calibrate([flown.items], sure)
     assert told(done.vehicle)[1] == told(sure)[1]
-    # one day says nothing of another day's current, a plain receiver nothing of a smooth motion
-    assert kept(done) == {"heading_bias", "deviation", "current", "motion"}
+    # one day says nothing of another day's current or wind, two minutes nothing of a speed that is
+    # kept for minutes
+    assert kept(done) == {"heading_bias", "deviation", "current", "motion", "surface_drift"}
+    assert done.vehicle.calibration.surface_drift == VEHICLE.calibration.surface_drift
+    assert done.vehicle.calibration.speed_noise == VEHICLE.calibration.speed_noise
     assert done.vehicle.calibration.speed_scale_sigma < VEHICLE.calibration.speed_scale_sigma
     assert done.vehicle.calibration.deviation_sigma == VEHICLE.calibration.deviation_sigma
 

@@ -7,11 +7,14 @@
 
 Everything else is the product's own: the shipped vehicle file, `calibrate`, the navigation.
 
-    python tests/worlds/calibrated_truth.py 40      so many vehicles, each in waters of its own
+    python tests/worlds/calibrated_truth.py 40       so many vehicles, each in waters of its own
+    python tests/worlds/calibrated_truth.py 40 tide  each day's current is a tide at any of its hours
+    python tests/worlds/calibrated_truth.py 40 wind  and a wind drives it at the surface, another each day
 """
 
 from __future__ import annotations
 
+import functools
 import math
 import sys
 from collections.abc import Sequence
@@ -21,6 +24,7 @@ from random import Random
 import numpy as np
 from simulated_truth import CHI2_95, HOME, Flown, flown
 
+from links.simulated.link import SimulatedVehicle
 from links.simulated.sea import Sea
 from links.simulated.sensors import SensorErrors
 from links.simulated.settings import Settings
@@ -33,6 +37,10 @@ from protocol.messages import Fix
 LOGS, DIVES = 6, 4
 DAY = 0.08  # m/s, of a current on each axis
 QUIET = 60.0  # s without a fix: it is under water
+TIDE = 12.42 * 3600.0  # s
+WIND = 0.03  # m/s, of the drift at the surface on each axis
+AFLOAT = 0.5  # m
+SEAS = ("steady", "tide", "wind")
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,13 +53,41 @@ class End:
     radius: float
 
 
-def dives(seed: int, *, learning: bool) -> list[End]:
+class Moved(SimulatedVehicle):
+    """In a tide of ``DAY`` (root mean square on each axis) about ``mean``, and a wind."""
+
+    def __init__(
+        self,
+        mean: tuple[float, float],
+        hours: tuple[float, float],
+        wind: tuple[float, float],
+        profile: str,
+        seed: int,
+        settings: Settings,
+    ) -> None:
+        super().__init__(profile, seed, settings)
+        self._mean, self._hours, self._wind = mean, hours, wind
+        self._sheared = True  # the current is looked at anew with each tick
+
+    def advance(self, to_t: float) -> None:
+        afloat = not self.track or self.track[-1].depth < AFLOAT
+        turned = 2.0 * math.pi * self.now / TIDE
+        north, east = (
+            mean + math.sqrt(2.0) * DAY * math.sin(turned + hour) + afloat * wind
+            for mean, hour, wind in zip(self._mean, self._hours, self._wind, strict=True)
+        )
+        self.current = north, east
+        super().advance(to_t)
+
+
+def dives(seed: int, *, learning: bool, sea: str = "steady") -> list[End]:
     """Of one vehicle; ``learning``: with fixes before each dive, else with one."""
     rng = Random(seed)
     speed, towards = rng.uniform(0.0, 0.3), rng.uniform(0.0, 2.0 * math.pi)
     waters = speed * math.cos(towards), speed * math.sin(towards)
     bias, table = math.radians(rng.uniform(-10.0, 10.0)), math.exp(rng.gauss(0.0, 0.1))
-    days = [_day(rng, waters, bias, fixes) for fixes in (True,) * LOGS + (learning,) * DIVES]
+    day = _day if sea == "steady" else functools.partial(_moving_day, WIND * (sea == "wind"))
+    days = [day(rng, waters, bias, fixes) for fixes in (True,) * LOGS + (learning,) * DIVES]
     auv = load_vehicle("auv")
     guessed = replace(auv, calibration=replace(auv.calibration, speed_scale=table))
     known = calibrate([day.items for day in days[:LOGS]], guessed).vehicle
@@ -63,6 +99,17 @@ def _day(rng: Random, waters: tuple[float, float], bias: float, fixes: bool) -> 
     sea = Sea(current=(math.hypot(north, east), math.atan2(east, north)))
     errors = SensorErrors(declination=math.radians(-6.2), compass_bias=bias)
     return flown(rng.randrange(10**6), Settings(sea=sea, errors=errors), learning=fixes)
+
+
+def _moving_day(
+    windy: float, rng: Random, waters: tuple[float, float], bias: float, fixes: bool
+) -> Flown:
+    hours = rng.uniform(0.0, 2.0 * math.pi), rng.uniform(0.0, 2.0 * math.pi)
+    wind = rng.gauss(0.0, windy), rng.gauss(0.0, windy)
+    errors = SensorErrors(declination=math.radians(-6.2), compass_bias=bias)
+    built = functools.partial(Moved, waters, hours, wind)
+    settings = Settings(errors=errors)
+    return flown(rng.randrange(10**6), settings, learning=fixes, built=built)
 
 
 def _end(day: Flown, known: Vehicle) -> End:
@@ -101,12 +148,13 @@ def told(ends: Sequence[End]) -> str:
     )
 
 
-def main(vehicles: int) -> None:
+def main(vehicles: int, sea: str) -> None:
     for learning in (True, False):
-        ends = [end for seed in range(vehicles) for end in dives(seed, learning=learning)]
+        each = (dives(seed, learning=learning, sea=sea) for seed in range(vehicles))
+        ends = [end for one in each for end in one]
         sys.stdout.write(f"{'fixes before' if learning else 'one fix'}: {told(ends)}\n")
         sys.stdout.flush()
 
 
 if __name__ == "__main__":
-    main(int(sys.argv[1]) if len(sys.argv) > 1 else 40)
+    main(int(sys.argv[1]) if len(sys.argv) > 1 else 40, sys.argv[2] if sys.argv[2:] else SEAS[0])

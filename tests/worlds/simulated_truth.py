@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import math
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from random import Random
 
@@ -35,6 +35,7 @@ from protocol.vehicles.auv import AuvCodec
 HOME = Position(30.2874595, 120.1535765)
 CHI2_95 = 5.991
 _FOR_EVER = 1e9  # s
+Built = Callable[[str, int, Settings], SimulatedVehicle]
 
 
 @dataclass(frozen=True, slots=True)
@@ -169,13 +170,17 @@ def fly_plan(seed: int, bias_deg: float, *, learning: bool) -> Flown:
     return _flown(rng, seed, Settings(sea=sea, errors=errors), learning=learning)
 
 
-def flown(seed: int, settings: Settings, *, learning: bool) -> Flown:
-    """The same in a sea that is given."""
-    return _flown(Random(seed), seed, settings, learning=learning)
+def flown(
+    seed: int, settings: Settings, *, learning: bool, built: Built = SimulatedVehicle
+) -> Flown:
+    """The same in a sea that is given; ``built``: the vehicle in it."""
+    return _flown(Random(seed), seed, settings, learning=learning, built=built)
 
 
-def _flown(rng: Random, seed: int, settings: Settings, *, learning: bool) -> Flown:
-    ship = SimulatedVehicle("as-built", seed, settings)
+def _flown(
+    rng: Random, seed: int, settings: Settings, *, learning: bool, built: Built = SimulatedVehicle
+) -> Flown:
+    ship = built("as-built", seed, settings)
     legs = plan(rng, learning=learning)
     items = tuple(_bytes(ship, legs, "as-built", legs[-1].begin + 120.0))
     return Flown(items, tuple(ship.track))

@@ -1,0 +1,133 @@
+"""What the fixes of one log teach about each figure of a calibration.
+
+The log is filtered with wide priors; what its fixes taught is the information that its posterior
+has beyond the prior (Maybeck, Stochastic Models, Estimation, and Control 1, 1979, ch. 5.7).
+
+What does not live here: what many logs say together (calibration).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from mission.analysis.courses import Inputs
+from mission.model import Position
+from mission.model.vehicle import Vehicle
+from mission.navigation.filter import Array
+from mission.navigation.model import (
+    CE,
+    CN,
+    COMPASS,
+    COS,
+    SCALE,
+    SIN,
+    STATES,
+    Figures,
+    Markov,
+    figures,
+)
+from mission.navigation.navigator import Navigation
+from protocol.messages import Fix
+
+FITTED = (SCALE, COMPASS, SIN, COS, CN, CE)
+DAY = 0.05  # m/s: no current is known better for another day
+_NEXT = 1.5  # s between two fixes of which one is soon after the other
+
+
+@dataclass(frozen=True, slots=True)
+class Figure:
+    """A row of what is fitted: which of ``FITTED``, how wide the logs may look for it, as that of
+    which sigma it changes within a log (that of a vehicle that nobody calibrated: what a log tells
+    does not depend on what was told before), the least sigma that is believed, what a log must
+    hold to teach it, and whether days differ in it."""
+
+    name: str
+    states: tuple[int, ...]
+    wide: float
+    changes: float
+    least: float
+    fly: str
+    daily: bool = True
+
+
+FIGURES = (
+    Figure("speed_scale", (0,), 0.5, 0.1, 0.02,
+           "legs of a minute or more there and back at the gears of the missions"),
+    Figure("heading_bias", (1,), math.radians(15.0), math.radians(6.0), math.radians(1.0),
+           "legs of a minute or more on two headings or more"),
+    Figure("deviation", (2, 3), math.radians(4.0), math.radians(2.0), math.radians(0.5),
+           "legs of a minute or more on four headings or more, all round", daily=False),
+    Figure("current", (4, 5), 0.5, 0.5, DAY,
+           "surface-shakedown on two days or more in the same waters"),
+)  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class Information:
+    """Of one log, about (scale - 1, bias, sin, cos, current north, east), beyond the prior;
+    ``found`` and ``variances``: by this log alone. ``squares``: see ``noise.sensed``."""
+
+    matrix: Array  # 6 x 6
+    vector: Array
+    found: Array
+    variances: Array
+    declination: float
+    origin: Position | None
+    squares: tuple[float, ...]
+
+
+def precision(sigmas: Sequence[float]) -> Array:
+    """Diagonal, of the six; ``sigmas`` of ``FIGURES``."""
+    wide = [s for row, s in zip(FIGURES, sigmas, strict=True) for _ in row.states]
+    return np.diag([1.0 / s**2 for s in wide])
+
+
+def information(log: Inputs, vehicle: Vehicle) -> Information:
+    wide = _believing(vehicle, [row.wide for row in FIGURES])
+    near = figures(_believing(vehicle, [row.changes for row in FIGURES]))
+    nav, squares = Navigation(wide, figures=_wide_at_first(figures(wide), near)), list[float]()
+    for item in log:
+        if not isinstance(item, Fix):
+            nav.telemetry(item)
+            continue
+        last = nav.core.last_fix
+        nav.fix(item)
+        if last is not None and item.t - last < _NEXT and nav.core.fix_nis is not None:
+            squares.append(item.accuracy**2 * nav.core.fix_nis)
+    x = (nav.core.filter.x - np.eye(STATES)[SCALE])[list(FITTED)]
+    p = nav.core.filter.covariance[np.ix_(FITTED, FITTED)]
+    matrix, prior = np.linalg.inv(p), precision([row.wide for row in FIGURES])
+    origin = None if nav.frame is None else nav.frame.origin
+    return Information(
+        matrix - prior, matrix @ x, x, np.diag(p).copy(), nav.declination, origin, tuple(squares)
+    )
+
+
+def _believing(vehicle: Vehicle, sigmas: Sequence[float]) -> Vehicle:
+    """As sure of each of ``FIGURES`` as ``sigmas`` say, and of no current in the mean."""
+    scale, bias, deviation, current = sigmas
+    return replace(
+        vehicle,
+        sensors=replace(vehicle.sensors, heading_bias=bias),
+        calibration=replace(
+            vehicle.calibration, speed_scale_sigma=scale, deviation_sigma=deviation,
+            current=(0.0, 0.0), current_sigma=current,
+        ),
+    )  # fmt: skip
+
+
+def _wide_at_first(far: Figures, near: Figures) -> Figures:
+    """The compass's error, its second harmonic and the speed scale change within a log by as much
+    as in ``near``, however wide they begin: else a log would tell the less of what is lasting, the
+    wider one looks for it. A current that may be strong may change as much."""
+    compass = _as_steady(far.compass, near.compass)
+    return replace(far, compass=compass, pace=near.pace, second=near.second)
+
+
+def _as_steady(far: Markov, near: Markov) -> Markov:
+    """With the variance that ``near`` gains in a short time."""
+    return Markov(far.sigma, near.time * (far.sigma / near.sigma) ** 2)
