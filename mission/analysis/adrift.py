@@ -22,6 +22,7 @@ from statistics import median
 
 from mission.analysis.courses import Inputs
 from mission.analysis.missed import dives, likelihood
+from mission.analysis.pooling import FEW
 from mission.model.vehicle import Vehicle
 from mission.navigation.model import TIDE
 
@@ -73,4 +74,6 @@ def drift(logs: Sequence[Inputs], tried: Sequence[Vehicle]) -> Drift | None:
     weights = [math.exp(s - max(sums)) for s in sums]
     mean = sum(w * math.log(s) for w, s in zip(weights, SHARES, strict=True)) / sum(weights)
     share = math.exp(mean)
-    return Drift(share if ends >= ENOUGH else max(share, 1.0), ends, length)
+    if share < 1.0:  # what a handful of dives leave open
+        share = min(FEW * share, 1.0) if ends >= ENOUGH else 1.0
+    return Drift(share, ends, length)

@@ -11,12 +11,13 @@ from random import Random
 import pytest
 import yaml
 
-from mission.analysis.adrift import ENOUGH, drift, with_drift
+from mission.analysis.adrift import ENOUGH, SHARES, drift, with_drift
 from mission.analysis.calibration import calibrate
 from mission.analysis.courses import courses, motion
 from mission.analysis.information import FIGURES, information
 from mission.analysis.lessons import kept, section
 from mission.analysis.noise import of_velocity
+from mission.analysis.pooling import FEW
 from mission.model import Position
 from mission.model.shipped import load_vehicle, missions_folder
 from mission.model.vehicle import Vehicle
@@ -130,6 +131,13 @@ def test_few_dives_never_narrow_the_drift_and_none_tells_nothing() -> None:
     assert told is not None
     assert told.share == 1.0
     assert drift([afloat(1)], [AUV]) is None
+
+
+def test_what_a_handful_of_dives_leaves_open_of_a_drift_is_added() -> None:
+    """None is told below the least share tried with what is added to the spread of a handful."""
+    told = drift([dive(seed, 0.0) for seed in range(12)], [AUV] * 12)
+    assert told is not None
+    assert told.share >= FEW * SHARES[0]
 
 
 def test_a_speed_that_is_kept_for_minutes_is_told_by_many_minutes_alone() -> None:
