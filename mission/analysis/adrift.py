@@ -23,8 +23,7 @@ from statistics import median
 from mission.analysis.courses import Inputs
 from mission.analysis.missed import dives, likelihood
 from mission.analysis.pooling import FEW
-from mission.model.vehicle import Vehicle
-from mission.navigation.model import TIDE
+from mission.model.vehicle import TIDE, Vehicle
 
 SHARES = (0.125, 0.25, 0.5, 1.0, 2.0, 4.0, 8.0)
 _LEAST = 1e-3  # m/s: of water that stands

@@ -23,6 +23,7 @@ from mission.commands.seafloor import depths_of
 from mission.commands.unreadable import tell_unreadable
 
 if TYPE_CHECKING:
+    from mission.authoring.prepare import Prepared
     from mission.model.vehicle import Vehicle
     from mission.verification.rehearsing.flights import Flown
     from mission.verification.rehearsing.report import Rehearsal
@@ -69,21 +70,15 @@ def rehearse(
     import functools
     import json
 
-    from mission.authoring.prepare import Unreadable, parameters_of, prepare
     from mission.verification.rehearsing.flights import Flown, rehearsed
     from mission.verification.rehearsing.report import as_object, as_text, report_of
-    from mission.verification.simulation.flightlog import legs_of
+    from mission.verification.simulation.flightlog import leg_names
     from mission.verification.workers.outcome import Lost
     from mission.verification.workers.progress import with_progress
 
     if output is not None and output.suffix.lower() not in (".png", ".svg", ".html"):
         raise click.UsageError(f"{output}: the suffix says what to write: .png, .svg or .html")
-    try:
-        named = parameters_of(parameters)
-        prepared = prepare(mission, vehicle, named)
-    except Unreadable as error:
-        tell_unreadable(error, as_json)
-        raise SystemExit(2) from None
+    named, prepared = _read(mission, vehicle, parameters, as_json)
     tell = functools.partial(click.echo, err=True)
     floor = "" if bathymetry is None else str(bathymetry.resolve())
     _can_be_set(settings, prepared.vehicle)
@@ -101,13 +96,27 @@ def rehearse(
             tell(str(one))
     if not flown:
         raise SystemExit(1)
-    report = report_of(flown, legs_of(prepared.mission), settings)
+    report = report_of(flown, leg_names(prepared.mission), settings)
     source = _again(mission, vehicle, parameters)
     told = as_object(report, source, seed)
     click.echo(json.dumps(told) if as_json else as_text(report, source, seed))
     if output is not None:
         _write(output, report, flown, source, seed, prepared.mission.name)
     raise SystemExit(0 if report.outcomes.get("completed", 0) == flights else 1)
+
+
+def _read(
+    mission: Path, vehicle: str | None, parameters: Sequence[str], as_json: bool
+) -> tuple[dict[str, str], Prepared]:
+    """The parameters by name, and the mission. What cannot be read ends the command with 2."""
+    from mission.authoring.prepare import Unreadable, parameters_of, prepare
+
+    try:
+        named = parameters_of(parameters)
+        return named, prepare(mission, vehicle, named)
+    except Unreadable as error:
+        tell_unreadable(error, as_json)
+        raise SystemExit(2) from None
 
 
 def _can_be_set(settings: Sequence[str], vehicle: Vehicle) -> None:

@@ -17,6 +17,7 @@ from mission.model.diagnostics import Diagnosed
 from mission.model.plain import UNSAID
 from mission.model.units import GEARS
 
+TIDE = 12.0 * 3600.0  # s, how slowly currents change
 # What a vehicle can report, and the axes it can follow, at all: the keys of those two tables.
 REPORTS = frozenset(
     {
@@ -134,7 +135,7 @@ class Calibration:
     compass_wander_time: float = 300.0  # s
     current: tuple[float, float] = (0.0, 0.0)
     current_sigma: float | None = None
-    current_time: float = 12.0 * 3600.0  # s, how slowly it changes for the time after a fix
+    current_time: float = TIDE  # s, how slowly it changes for the time after a fix
     current_time_for: float = 0.0  # s; later than that it is 12 h, the pace of a tide
     surface_drift: float = 0.03  # m/s per axis, by wind and waves
     fix_velocity: float = 0.1  # m/s per axis, of a receiver's speed and course

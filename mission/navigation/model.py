@@ -22,12 +22,11 @@ import math
 from dataclasses import dataclass, replace
 from typing import Protocol
 
-from mission.model.vehicle import Vehicle
+from mission.model.vehicle import TIDE, Vehicle
 
 N, E, CN, CE, WN, WE, SCALE, DEVIATION, COMPASS, SIN, COS, WANDER = range(12)
 DEPTH, RATE, BOTTOM = range(12, 15)
 STATES = 15
-TIDE = 12.0 * 3600.0  # s, how slowly currents change
 
 
 @dataclass(frozen=True, slots=True)

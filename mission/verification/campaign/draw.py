@@ -25,7 +25,6 @@ from mission.model import Mission
 from mission.model.vehicle import Vehicle
 from mission.verification.campaign.disturbances import INCIDENTS
 from mission.verification.campaign.fitting import beaconed, fit
-from mission.verification.campaign.scene import Scene
 from mission.verification.campaign.scene_texts import mission_of
 from mission.verification.campaign.staging import faults_of, scenes_of, staged_on
 from mission.verification.campaign.trial import FOREVER
@@ -136,8 +135,8 @@ def profiles_of(vehicle: str) -> tuple[str, ...]:
 
 
 def on_profile(plan: Plan, profile: str) -> Plan:
-    """As built it would report no batteries: such a plan stays documented."""
-    return plan if plan.batteries else replace(plan, profile=profile)
+    """As built it would report no batteries: such a plan is flown as documented."""
+    return replace(plan, profile=DOCUMENTED if plan.batteries else profile)
 
 
 def rows(subjects: Sequence[Subject]) -> tuple[str, ...]:
@@ -187,11 +186,12 @@ def _set_up(name: str, vehicle: str, rng: Random, seed: int, number: int) -> Pla
     sea = Sea(current, None, SCENE_FLOOR)
     mission = mission_of(scene.text, vehicle)
     settings = Settings(sea=sea, body=body_of(vehicle))
-    return Plan(
+    profile = rng.choice(profiles_of(vehicle))
+    plan = Plan(
         seed,
         number,
         Subject(Path(scene.text), mission, SCENE_TIME),
-        _built(scene, rng.choice(profiles_of(vehicle))),
+        profile,
         rng.randrange(1 << 31),
         fit(settings, scene.faults, home_of(mission), rng),
         (Drawn(name, 0.0, scene.disturbances),),
@@ -200,10 +200,7 @@ def _set_up(name: str, vehicle: str, rng: Random, seed: int, number: int) -> Pla
         scene.silence,
         scene.batteries,
     )
-
-
-def _built(scene: Scene, profile: str) -> str:
-    return DOCUMENTED if scene.batteries else profile
+    return on_profile(plan, profile)
 
 
 def _disturbed(

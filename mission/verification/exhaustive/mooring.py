@@ -16,8 +16,8 @@ from mission.legs.base import Point
 from mission.model import Mission, Position
 from mission.model.texts import legs_of
 from mission.navigation.geodesy import LocalFrame
+from mission.verification.exhaustive.wire import RANGE
 
-RANGE = 70.0  # m from home: no guard on the range of the shipped missions is open
 _BEARINGS = tuple(map(math.radians, range(0, 360, 30)))
 _CLEAR = 5.0  # m from where a leg would end
 

@@ -20,6 +20,7 @@ _SUM = sd_profile(SD_DEFAULT)
 _MAGNETIC = len(MAGNETOMETERS) * (20.0,)  # uT
 _METRE = 1.0 / EARTH  # rad
 _BEGIN = datetime(2026, 3, 1, 4, 0, tzinfo=UTC)
+RANGE = 70.0  # m from home: no guard on the range of the shipped missions is open
 _NEUTRAL, _AHEAD, _DOWN = 1500, 1700, 1083  # us
 
 
@@ -39,7 +40,7 @@ class Sea:
     powered: bool = True
     dives: bool = False  # its verticals push down with all they have
     stopped: bool = False  # by X0, which is obeyed whether it is answered or not
-    north: float = 70.0  # m from home (mooring)
+    north: float = RANGE
     east: float = 0.0
     leak: bool = False
     placed: bool = False  # the report tells where it is

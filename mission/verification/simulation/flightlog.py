@@ -260,7 +260,7 @@ def leg_paths(mission: Mission) -> frozenset[str]:
     return frozenset(_leg_paths(parted(mission.body), AUTONOMOUS)) | {IMPLICIT_SURFACE}
 
 
-def legs_of(mission: Mission) -> tuple[str, ...]:
+def leg_names(mission: Mission) -> tuple[str, ...]:
     """The names of those that are written, in their order, as flights name them."""
     paths = _leg_paths(parted(mission.body), AUTONOMOUS)
     return tuple(path.removeprefix(f"{AUTONOMOUS}/") for path in paths)
