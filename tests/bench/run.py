@@ -56,7 +56,7 @@ BENCHES = (
         (
             Figure("read_s", "1000 legs read, processor time", "s", 1.0),
             Figure("judged_s", "1000 legs read, compiled and checked", "s", 3.0),
-            Figure("growth", "up to 9000 legs, against n log n", "x", 1.5),
+            Figure("growth", "up to 5000 legs, against n log n", "x", 1.5),
         ),
     ),
     Bench(
