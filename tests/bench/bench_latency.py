@@ -18,11 +18,11 @@ import json
 import os
 import re
 import select
-import signal
 import statistics
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 import tty
 from collections.abc import Iterator
@@ -137,8 +137,28 @@ def serving(board: Board, folder: Path, *more: str) -> Iterator[tuple[int, str]]
             raise RuntimeError((folder / "said").read_text())
         yield process.pid, json.loads(ready.read_text())["topside"]
     finally:
-        process.send_signal(signal.SIGTERM)
-        process.wait(20)
+        process.kill()  # told to end, it would first bring the vehicle up
+        process.wait()
+
+
+@contextmanager
+def reporting(board: Board) -> Iterator[None]:
+    """A report and a fix each second meanwhile: what is not heard for 5 s starts no mission."""
+    over = threading.Event()
+
+    def report() -> None:
+        while not over.is_set():
+            board.fix()
+            board.report(90.0)
+            board.quiet(1.0)
+
+    thread = threading.Thread(target=report)
+    thread.start()
+    try:
+        yield
+    finally:
+        over.set()
+        thread.join()
 
 
 def latency(board: Board, address: str, reports: int) -> list[float]:
@@ -148,8 +168,9 @@ def latency(board: Board, address: str, reports: int) -> list[float]:
         board.fix()
         board.report(90.0)
         board.quiet(0.4)
-    converse(address, upload(script(mission), digest(mission), lambda have, total: None))
-    converse(address, start(patience=20))
+    with reporting(board):
+        converse(address, upload(script(mission), digest(mission), lambda have, total: None))
+        converse(address, start(patience=20))
     board.quiet(0.5)
     found = []
     for n in range(reports):
