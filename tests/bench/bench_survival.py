@@ -16,7 +16,7 @@ import tempfile
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-sys.path[:0] = [str(ROOT), str(ROOT / "tests" / "worlds")]
+sys.path[:0] = [str(ROOT), str(ROOT / "tests" / "worlds"), str(ROOT / "tests" / "onboard")]
 
 SPEED = 8.0
 TURNS = 3
