@@ -11,8 +11,8 @@ never twice the same. What speaks against it, over the last ``WINDOW`` seconds:
     offset    fixes come as at the surface, nothing pushes down, and it is 0.8 m or more off 0, and
               stands, or does not fall though the verticals push up; nor moves as a body does
 
-What explains a depth that stands is no contradiction: new places that come in at the surface (the
-dive fails), the ground under the vehicle, the surface above it. A depth that was contradicted is
+What explains a depth that stands is no contradiction: the ground under the vehicle, the surface
+above it. Fixes do not: under water a receiver may make them up. A depth that was contradicted is
 believed again once it has moved the way the vehicle is moved, or shows the surface for ``AGREES``
 seconds of fixes. After a leap by the second alone, for it moves as it should: its change can be
 believed again by then, but not where its zero is. After an offset by movement, too, if fixes have
@@ -142,8 +142,7 @@ class DepthBelief:
         gone = quiet is not None and _FIXES_GO < quiet <= _HAD and abs(depth) < FIX_DEPTH
         if way := self._push(depth, push, gone):
             at_ground = t - self._grounded_at <= _LIES
-            afloat = abs(depth) < FIX_DEPTH and quiet is not None and quiet <= _FIXES_GO
-            if (at_ground or afloat) if way > 0 else depth < FIX_DEPTH:
+            if at_ground if way > 0 else depth < FIX_DEPTH:
                 way = 0
         if way != self._way:
             self._way, self._pushed_at = way, t

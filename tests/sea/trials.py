@@ -42,6 +42,15 @@ def clogged_on_deck(world: World) -> Steps:
     yield from world.rest(200)
 
 
+def too_light(world: World) -> Steps:
+    """Nobody has put the lead in: the verticals do not bring it under."""
+    world.mark("go")
+    yield from go(world, mission(8, 10))
+    yield from world.wait(60)
+    world.mark("due")
+    yield from world.rest(120)
+
+
 def clogged_then_w(world: World) -> Steps:
     """W at 8 m, where the reading stays: nothing tells of the rise but the fixes at its end."""
     yield from dive(world)
@@ -259,6 +268,20 @@ SCENES: tuple[Scene, ...] = (
         "full push for 20 s moves no depth",
         clogged_on_deck,
         BACK,
+    ),
+    Scene(
+        "clogged-on-deck-places-made-up",
+        "what the receiver says is no reason for a push that moves nothing",
+        clogged_on_deck,
+        BACK,
+        world={"receiver_mode": "wandering"},
+    ),
+    Scene(
+        "too-light-to-dive",
+        "full push moves it by nothing: the mission ends where it lies",
+        too_light,
+        (reached(), upward_within(40, "go"), home(60), never_deeper(2), lives()),
+        body={"buoyancy": 40.0},
     ),
     Scene(
         "clogged-then-w",

@@ -20,7 +20,7 @@ from mission.engine.vehicle_state import VehicleState
 from mission.model import Action, By, Edge, Health, Outcome, Result, Safety, Tx
 from mission.model.vehicle import Vehicle
 from mission.navigation.belief import DepthBelief
-from mission.navigation.fixes import Receiver
+from mission.navigation.fixes import FIX_DEPTH, Receiver
 from mission.navigation.health import SensorHealth
 from mission.onboard.runtime.frontseat import Frontseat
 from mission.onboard.runtime.repeater import Repeater
@@ -203,6 +203,18 @@ def fixes_count_against_movement(surgery: Surgery) -> None:
         return bool(honest(self, t, 0.0, receiver))
 
     surgery.put(DepthBelief, "_floats", floats)
+
+
+def fixes_explain_what_stands(surgery: Surgery) -> None:
+    honest = surgery.found(DepthBelief, "_notice")
+
+    def notice(self: DepthBelief, t: float, depth: float, *given: Any) -> None:
+        honest(self, t, depth, *given)
+        quiet = given[-1].quiet(t)
+        if depth < FIX_DEPTH and quiet is not None and quiet <= 3.0:
+            self._pushed_at = t
+
+    surgery.put(DepthBelief, "_notice", notice)
 
 
 def pushes_in_the_dark(surgery: Surgery) -> None:

@@ -31,7 +31,6 @@ from mission.engine.rest import Rest
 from mission.engine.vehicle_state import VehicleState
 from mission.model import Result
 from mission.navigation.belief import DepthBelief
-from mission.navigation.fixes import Receiver
 from mission.onboard.runtime import frontseat, line, operator_server, repeater
 from mission.onboard.runtime.commander import Commander
 from mission.onboard.runtime.copies import Copies
@@ -86,10 +85,8 @@ _RULES: Mapping[str, Broken] = {
         "R7: 6 s of shallow depth", instead(vehicle_state, "SURFACE_TIME", 0.0)
     ),
     "stuck receiver": Broken("R7: a stuck receiver proves nothing", breaks.every_place_is_news),
-    "places again": Broken(
-        "R5: places said again explain no depth that stands",
-        instead(Receiver, "no_news", Receiver.quiet),
-        alike=same,
+    "fixes below": Broken(
+        "R5: no fix explains a depth that stands under a push", breaks.fixes_explain_what_stands
     ),
     "fix under water": Broken(
         "R7: a depth contradicts a fix", instead(vehicle_state, "FIX_DEPTH", 1e9)

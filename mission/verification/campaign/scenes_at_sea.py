@@ -255,9 +255,11 @@ def _clogged(rng: Random) -> Scene:
     return Scene("deep", (fault("depth_stuck", rng.uniform(14.0, 30.0)),))
 
 
-def _clogged_and_stuck(rng: Random) -> Scene:
-    """The port clogs before it dives, and the receiver says its last places on."""
-    places = fault("gps_in_turn", rng.uniform(6.0, 9.0), FOREVER, rng.randint(1, 5))
+def _clogged_at_the_surface(rng: Random) -> Scene:
+    """The port clogs before it dives; the receiver says its last places on, or makes some up."""
+    begin = rng.uniform(6.0, 9.0)
+    again = fault("gps_in_turn", begin, FOREVER, rng.randint(1, 5))
+    places = rng.choice([again, fault("gps_wanders", begin)])
     return Scene("deep", (fault("depth_stuck", rng.uniform(5.0, 6.5)), places))
 
 
@@ -332,8 +334,8 @@ AT_SEA: Mapping[str, SceneRow] = {
     "heavy_and_wandering": SceneRow("heavy, and fixes made up", _heavy_and_wandering),
     "heavy_and_late": SceneRow("heavy, fixes made up, and a depth that is late", _heavy_and_late),
     "clogged": SceneRow("the port of the depth clogs on the way down", _clogged),
-    "clogged_and_stuck": SceneRow(
-        "the port clogs at the surface, and the receiver is stuck", _clogged_and_stuck
+    "clogged_at_the_surface": SceneRow(
+        "the port clogs at the surface, and the receiver lies", _clogged_at_the_surface
     ),
     "stuck_receiver": SceneRow("a receiver that is stuck, and W", _stuck_receiver),
     "wrong_compass": SceneRow(

@@ -68,7 +68,7 @@ _ON_ALL: Mapping[str, tuple[str, ...]] = {
     NO_RECEIVER: (
         *("stuck_receiver", "wandering_receiver", "blind_and_wandering", "heavy_and_wandering"),
         "heavy_and_late",
-        *("clogged_and_stuck", "lying_second"),
+        *("clogged_at_the_surface", "lying_second"),
     ),
     NO_SUCH_FAULT: (
         *("clogged", "wrong_compass", "loose_compass", "blind_compass", "full_scale_roll"),

@@ -28,7 +28,7 @@ _IN_WATER: _Reasons = {
         "limit depth contradicted",
     ),
     staging.NO_RECEIVER: (
-        *("limit course against heading", "stuck receiver", "places again", "fix under water"),
+        *("limit course against heading", "stuck receiver", "fixes below", "fix under water"),
         *("fixes against movement", "fixes too early"),
     ),
     staging.NO_SUCH_FAULT: (
@@ -57,7 +57,7 @@ _ON_LAND: _Reasons = {
         *("limit depth", "limit hard depth", "limit unexplained descent", "limit no progress"),
         *("limit depth contradicted", "limit depth unknown", "limit roll-over"),
         *("limit heading does not follow", "limit course against heading", "depth margin"),
-        *("surface at once", "stuck receiver", "places again", "fix under water", "belief"),
+        *("surface at once", "stuck receiver", "fixes below", "fix under water", "belief"),
         "depth that moves",
         *("moving depth", "fixes against movement", "fixes too early"),
         *("surface behind a silence", "surface by one report", "unchanged depth"),

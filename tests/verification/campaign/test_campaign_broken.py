@@ -51,7 +51,7 @@ SEEN = [
     ("rest with AUTO closed", "heavy_with_auto_closed", 0, "unlawful", "AUTO is closed"),
     ("AUTO ends", "auto_closed", 0, "unlawful", "AUTO is closed"),
     ("stuck receiver", "stuck_receiver", 0, "unlawful", "surfaced, said"),
-    ("places again", "clogged_and_stuck", 0, "unanswered", "clogged port"),
+    ("fixes below", "clogged_at_the_surface", 0, "unanswered", "clogged port"),
     ("belief", "clogged", 0, "unanswered", "clogged port"),
     ("orderly end", "ended", 0, "unlawful", "told to end"),
     ("cleared below", "cleared_below", 0, "unlawful", "cleared"),
