@@ -9,7 +9,8 @@ machine makes one extension of them all. Without the variable nothing of this ha
 Other packages are not looked at: what is built follows from this tree alone, whatever is installed.
 Classes are marked as such that interpreted ones may inherit from; with that they can be copied,
 too (others can only if their constructor takes nothing). Dataclasses are told the types of their
-fields again, which mypyc forgets. Constants are marked as final: mypyc then writes a number down
+fields again, which mypyc forgets, and how frozen ones are copied and pickled: mypyc sets field by
+field what must not be set. Constants are marked as final: mypyc then writes a number down
 where it is used, and keeps the others where no dictionary has to be asked. That is done in the copy
 that is compiled, and undone there: no source needs mypyc.
 Contraction is off: a multiplication and an addition that become one instruction round once instead
@@ -126,7 +127,7 @@ def marked(sources: list[Path]) -> Iterator[list[Path]]:
     try:
         for source, text in before.items():
             copied = _FUTURE.sub(r"\1" + _IMPORT, finals(text), count=1)
-            source.write_text(_CLASS.sub(_MARK, copied) + field_types(text))
+            source.write_text(_CLASS.sub(_MARK, copied) + told_again(text))
         yield sources
     finally:
         for source, text in before.items():
@@ -194,9 +195,10 @@ def _insert(lines: list[str], number: int, column: int | None, words: str) -> No
     lines[number - 1] = line[:column] + words + line[column:]
 
 
-def field_types(text: str) -> str:
-    """Lines that tell the dataclasses of a module the types of their fields again. mypyc keeps
-    ``tuple`` of a ``tuple[float, ...]``, and records are read back by these types."""
+def told_again(text: str) -> str:
+    """Lines that tell the dataclasses of a module the types of their fields again (mypyc keeps
+    ``tuple`` of a ``tuple[float, ...]``, and records are read back by these types), and of what
+    a frozen one is made again."""
     lines = []
     for node in ast.parse(text).body:
         if isinstance(node, ast.ClassDef) and "dataclass" in map(_called, node.decorator_list):
@@ -206,6 +208,10 @@ def field_types(text: str) -> str:
                 if isinstance(line, ast.AnnAssign)
             }
             lines.append(f'vars({node.name})["__annotations__"].update({fields!r})\n')
+            if any("frozen=True" in ast.unparse(each) for each in node.decorator_list):
+                values = "".join(f"it.{field}, " for field in fields)
+                made = f"lambda it: ({node.name}, ({values}))"
+                lines.append(f'__import__("copyreg").pickle({node.name}, {made})\n')
     return "".join(lines)
 
 

@@ -162,6 +162,14 @@ def _prompt(vehicle: Parts, _: float) -> None:
     vehicle.stm32.late = 0.0
 
 
+def _busy(vehicle: Parts, seconds: float) -> None:
+    vehicle.stm32.busy = seconds
+
+
+def _idle(vehicle: Parts, _: float) -> None:
+    vehicle.stm32.busy = 0.0
+
+
 def _silence(vehicle: Parts, _: float) -> None:
     vehicle.stm32.tx.silent = True
 
@@ -342,6 +350,7 @@ FAULTS: dict[str, Fault] = {
     "dives_until_up": _dives_until("U", "U"),
     "dives_until_stop": _dives_until("X", "X"),
     "obeys_late": Fault("commands are obeyed late", _slow, _prompt, 1.0, "s"),
+    "busy": Fault("the board hears nothing behind a word, for", _busy, _idle, 0.5, "s", 60.0),
     "capsized": Fault("it turns upside down", _capsize, _right),
     **ADDED_FAULTS,
 }

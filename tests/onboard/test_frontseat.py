@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mission.model import Action, Outcome, Result, Tx
-from mission.onboard.runtime.frontseat import ANSWER_S, GAP_S, TRIES, Frontseat
+from mission.onboard.runtime.frontseat import ANSWER_S, GAP_S, HELD_S, TRIES, Frontseat
 from protocol.codec import CannotEncode
 from protocol.messages import Ack, Order, Setpoint
 
@@ -232,12 +232,15 @@ def test_newer_set_replaces_what_is_unsent_of_the_older(line: Line) -> None:
     assert line.frames == [b"@ZAF6$", b"@ZAF0$", b"@ZAS3$"]
 
 
-def test_relay_goes_between_a_command_and_its_answer(line: Line) -> None:
-    line.give(LEG, 0.0)
+def test_a_relay_waits_for_the_answer_to_a_command(line: Line) -> None:
+    """A board that hears nothing for 0.5 s behind each word never heard the next try."""
+    line.give(Order.SURFACE, 0.0)
     line.relay(b"@RI$", 0.01)
     line.until(0.1)
-    assert line.frames == [b"@ZAF6$", b"@RI$"]
+    assert line.frames == [b"@ZAWF$"]
     line.answer(0.11)
+    line.until(0.2)
+    assert line.frames == [b"@ZAWF$", b"@RI$"]
     assert len(line.outcomes) == 1
 
 
@@ -346,16 +349,48 @@ def test_a_set_that_is_due_leaves_before_any_relay(line: Line) -> None:
     line.answer(0.01)
     line.until(0.03)
     assert line.frames == [b"@ZAF6$", b"@ZAS10$"]
+    line.answer(0.1)
     line.until(0.2)
     assert line.frames[2:] == [b"@DS1,5$", b"@RI$"]
 
 
 def test_a_further_try_leaves_before_any_relay(line: Line) -> None:
-    line.give(LEG, 0.0)
+    line.give(Order.SURFACE, 0.0)
     line.relay(b"@DS1,5$", ANSWER_S - 0.001)
-    line.seat.relay(b"@RI$", "relay")
-    line.until(ANSWER_S + 0.03)
-    assert line.frames == [b"@ZAF6$", b"@DS1,5$", b"@ZAF6$"]
+    line.until(TRIES * ANSWER_S - 0.01)
+    assert line.frames == [b"@ZAWF$"] * TRIES
+    line.until(TRIES * ANSWER_S + 0.03)
+    assert line.frames == [b"@ZAWF$"] * TRIES + [b"@DS1,5$"]
+
+
+def test_a_board_that_answers_nothing_is_passed_a_word_every_two_seconds(line: Line) -> None:
+    """An operator may switch its power off while X is said again and again."""
+    line.give(Order.STOP, 0.0)
+    for i in range(1, 80):
+        line.until(0.1 * i)
+        if i % 5 == 0:
+            line.give(Order.STOP, 0.1 * i, "no acknowledgement yet")
+        line.relay(b"@DS1,%d$" % (i % 20), 0.1 * i)
+    passed = [tx.t for tx in line.sent if tx.data.startswith(b"@DS")]
+    assert len(passed) == 3
+    assert all(b - a >= HELD_S for a, b in zip([0.0, *passed], passed, strict=False))
+    assert line.sent[0].data == b"@ZAX0$"
+
+
+def test_a_new_order_drops_what_was_passed_on_before_it(line: Line) -> None:
+    line.give(Order.STOP, 0.0)
+    line.relay(b"@RI$", 0.01)
+    line.give(Order.SURFACE, 0.1)
+    line.until(10.0)
+    assert b"@RI$" not in line.frames
+
+
+def test_what_is_passed_on_behind_a_stop_outlives_its_repetition(line: Line) -> None:
+    line.give(Order.STOP, 0.0)
+    line.relay(b"@RI$", 0.01)
+    line.give(Order.STOP, 0.5, "no acknowledgement yet")
+    line.until(10.0)
+    assert b"@RI$" in line.frames
 
 
 FRAME_S = 17 * 10 / 9600 + GAP_S  # the longest that operators have

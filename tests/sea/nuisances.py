@@ -201,6 +201,12 @@ def sluggish(world: World) -> Steps:
     yield from world.wait(300)
 
 
+def sluggish_slider(world: World) -> Steps:
+    """The same, and the operator's rudder slider moves all the time."""
+    world.spawn(boat(world).repeat(lambda n: f"@DS1,{n % 20}$", 1 / 200))
+    yield from sluggish(world)
+
+
 SCENES: tuple[Scene, ...] = (
     Scene(
         "brown-out-in-ascent-heavy",
@@ -242,4 +248,5 @@ SCENES: tuple[Scene, ...] = (
     ),
     Scene("flood-term", "a flood keeps no ascent back", flood_term, (*LIGHT, upward_within(5))),
     Scene("sluggish-heavy-w", "what was not answered is said again", sluggish, LIFTED),
+    Scene("sluggish-heavy-slider", "a slider waits for the answer", sluggish_slider, LIFTED),
 )

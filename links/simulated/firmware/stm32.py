@@ -88,6 +88,7 @@ class Stm32(ABC):
         self.ignores = ""  # codes of @ZA that it does not hear
         self.refuses = ""  # codes of @ZA that it answers N
         self.late = 0.0  # s from a command until it is obeyed
+        self.busy, self._busy_until = 0.0, 0.0  # s in which it hears nothing behind a word
         self.splice = 0.0  # chance that an answer lands inside the @SD being sent
         self._dead_man_at = self.due = inf  # due: asked for much more often than it changes
 
@@ -115,9 +116,10 @@ class Stm32(ABC):
             burst = self.rx.take()
             if self.garbles and self.rng.random() < self.garbles:
                 burst = turned_over(burst, self.rng)
-            if not (self.hung or self.booting or self.deaf):
+            if not (self.hung or self.booting or self.deaf or now < self._busy_until):
                 for frame in self.frames(burst):
                     self._execute(frame, now)
+                    self._busy_until = now + self.busy
         self._foresee()
 
     def control(self, plant: Plant) -> tuple[int, ...]:

@@ -5,8 +5,9 @@
     3  relays (M, R, @DA/@DS) -----+        one Z outstanding; 300 ms, 3 tries (R1)
 
 The smaller number has the line first: an order, the further tries of what is not answered, both
-frames of an ascent's X0 and U12, a leg's set. What operators pass on has what is left, at least
-while an answer is waited for. Under the stick there are no sets, and M has their place.
+frames of an ascent's X0 and U12, a leg's set. What operators pass on has what is left, and waits
+while an answer is waited for: a board that is busy with it may not hear the further tries. Where no
+answer comes one word leaves every 2 s. Under the stick there are no sets, and M has their place.
 
 Rules of docs/rules.md that live here: R1 (stop and wait), R7's overtaking (what is queued is
 dropped, an unanswered Z is given up), the as-built ACK code ``A`` for any Z, and the gap without
@@ -38,6 +39,7 @@ from protocol.vehicles.auv import change
 
 ANSWER_S = 0.3
 TRIES = 3
+HELD_S = 2.0  # for which unanswered frames hold relays back: three tries of two frames, and some
 GAP_S = 0.02
 BITS_PER_BYTE = 10  # 8N1
 BITS_PER_S = 9600
@@ -98,6 +100,8 @@ class Frontseat:
         self._held: Setpoint | None = None  # all of it was accepted, and nothing left since
         self._set: Setpoint | None = None  # the newest
         self._late_at: float | None = None  # unless all of a set has left by then
+        self._order: Order | None = None  # the newest command, if it is one
+        self._sent_at = self._row_from = -math.inf  # a frame that is answered; a row of them
         self._free = 0.0  # from when on the line may be used
 
     @property
@@ -126,8 +130,11 @@ class Frontseat:
         if not action.steers and self._set != before:
             self._late_at = None  # another leg, or none
         self._queue.clear()  # a set is complete: what is left of the one before is obsolete
+        before_it, self._order = self._order, None
         if isinstance(action.command, Order):
-            self._relays.clear()
+            self._order = action.command
+            if self._order != before_it:  # what came behind it may leave while it is said again
+                self._relays.clear()
             self._give_up()
             same = [f for f in self._urgent if f.reason == action.reason]  # of one decision
             self._urgent = deque([*same, *frames])
@@ -147,7 +154,7 @@ class Frontseat:
             self._queue.clear()
             self._urgent.clear()
             self._give_up()
-            self._held = self._becoming = self._set = self._late_at = None
+            self._held = self._becoming = self._set = self._late_at = self._order = None
         return self._relays.add(data, reason, manual)
 
     def report(self, report: Telemetry) -> None:
@@ -189,29 +196,29 @@ class Frontseat:
 
     def next_out(self, now: float) -> list[Tx]:
         waiting = self._outstanding
-        if waiting is None and self._urgent:
-            return [self._send(self._urgent.popleft(), 1, now)]
         if waiting and now >= waiting.deadline:
             return [self._send(waiting.frame, waiting.tries + 1, now)]
+        if waiting and now < self._row_from + HELD_S:
+            return []
+        if waiting is None and self._urgent:
+            return [self._send(self._urgent.popleft(), 1, now)]
         if waiting is None and self._queue and not any(o.until > now for o in self._owed):
             frame = self._queue.popleft()
             self._late_at = self._late_at if self._queue else None
             return [self._send(frame, 1, now)]
-        if (word := self._outputs.take(now)) is not None:
-            return [self._transmit(*word, now)]
-        return [self._transmit(*self._relays.take(), now)] if self._relays else []
+        word = self._outputs.take(now) or (self._relays.take() if self._relays else None)
+        if word is None:
+            return []
+        self._row_from = now
+        return [self._transmit(*word, now)]
 
     def next_timer(self) -> float | None:
         """When ``poll`` has something to do."""
         waiting = self._outstanding
-        if waiting is None:
-            if self._urgent:
-                return self._free
-            if not (self._queue or self._relays.waiting or self._outputs.words):
-                return None
-        due = [self._free] if self._relays else []
+        others = max(self._free, self._row_from + HELD_S) if waiting else self._free
+        due = [others] if self._relays.waiting or (waiting is None and self._urgent) else []
         if (said := self._outputs.next_timer()) is not None:
-            due.append(max(self._free, said))
+            due.append(max(others, said))
         if self._queue and self._late_at is not None:
             due.append(self._late_at)
         if waiting:
@@ -224,6 +231,9 @@ class Frontseat:
         return first if first < math.inf else None
 
     def _send(self, frame: _Frame, tries: int, now: float) -> Tx:
+        if now - self._sent_at > 2 * ANSWER_S:
+            self._row_from = now
+        self._sent_at = now
         self._outstanding = _Outstanding(frame, tries, now + ANSWER_S)
         again = f" (try {tries} of {TRIES})" if tries > 1 else ""
         return self._transmit(frame.data, frame.reason + again, now)

@@ -81,6 +81,11 @@ _RULES: Mapping[str, Broken] = {
         breaks.relays_first,
         when=breaks.has_relays,
     ),
+    "relays between": Broken(
+        "R7: what is passed on waits for an answer",
+        breaks.relays_between_tries,
+        when=breaks.has_relays,
+    ),
     "surface at once": Broken(
         "R7: 6 s of shallow depth", instead(vehicle_state, "SURFACE_TIME", 0.0)
     ),

@@ -12,6 +12,7 @@ from mission.verification.campaign.scene import (
     AA,
     AC,
     DOWN,
+    FOREVER,
     STARTED,
     Scene,
     SceneRow,
@@ -110,6 +111,16 @@ def _slider(rng: Random) -> Scene:
     moved = [say(t + i / rate, b"@DS1,%d$" % (i % 20)) for i in range(int(40.0 * rate))]
     said = [say(t + 10.0 * (i + 1) + rng.random(), rng.choice([X, W])) for i in range(3)]
     return Scene("there", (heavy(rng, t),) if rng.random() < 0.4 else (), (*moved, *said))
+
+
+def _busy_slider(rng: Random) -> Scene:
+    """The same, heavy, with a board that hears nothing for a while behind each word."""
+    t = rng.uniform(DOWN, 60.0)
+    rate = rng.choice([20.0, 60.0, 200.0])
+    moved = [say(t + i / rate, b"@DS1,%d$" % (i % 20)) for i in range(int(60.0 * rate))]
+    busy = fault("busy", t - 1.0, FOREVER, round(rng.uniform(0.3, 0.5), 2))
+    said = say(t + rng.uniform(0.0, 5.0), rng.choice([X, W]))
+    return Scene("there", (heavy(rng, t), busy), (*moved, said))
 
 
 def _cleared_below(rng: Random) -> Scene:
@@ -235,6 +246,7 @@ ABOARD: Mapping[str, SceneRow] = {
     "stick_left": SceneRow("the stick is held, and the link is lost", _stick_taken_and_left),
     "other_commander": SceneRow("two would command", _other_commander),
     "slider": SceneRow("a slider at 5 to 200 Hz", _slider),
+    "busy_slider": SceneRow("a slider, and a board that is busy", _busy_slider),
     "cleared_below": SceneRow("@AC under water", _cleared_below),
     "started_below": SceneRow("@AA under water", _started_below),
     "auto_closed": SceneRow("AUTO is closed under way", _auto_closed),

@@ -63,7 +63,7 @@ _ON_ALL: Mapping[str, tuple[str, ...]] = {
     _WORDS: (
         *("deaf_to_w", "deaf_to_u", "dives_until_up", "dives_until_stop", "obeys_late"),
         *("garbled_x", "turns_after_a_stop", "refused", "no_answers", "answered_by_another"),
-        *("heavy_beside", "heavy_and_clogged", "slider"),
+        *("heavy_beside", "heavy_and_clogged", "slider", "busy_slider"),
     ),
     NO_RECEIVER: (
         *("stuck_receiver", "wandering_receiver", "blind_and_wandering", "heavy_and_wandering"),

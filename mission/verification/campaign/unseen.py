@@ -16,7 +16,11 @@ _OF_BOARDS: _Reasons = {
     "its board is told again and again, whatever the rule says": (
         *("stop again", "stop doubted", "line doubted"),
     ),
-    "its board repeats the newest, and nothing waits before that": ("relays first", "gap"),
+    "its board repeats the newest, and nothing waits before that": (
+        "relays first",
+        "relays between",
+        "gap",
+    ),
     "the check refuses what would be held; test_outer_loop tries it": ("unconfirmed loop",),
 }
 _IN_WATER: _Reasons = {

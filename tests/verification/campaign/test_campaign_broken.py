@@ -52,6 +52,7 @@ SEEN = [
     ("AUTO ends", "auto_closed", 0, "unlawful", "AUTO is closed"),
     ("stuck receiver", "stuck_receiver", 0, "unlawful", "surfaced, said"),
     ("fixes below", "clogged_at_the_surface", 0, "unanswered", "clogged port"),
+    ("relays between", "busy_slider", 1, "sunk", "though it could"),
     ("belief", "clogged", 0, "unanswered", "clogged port"),
     ("orderly end", "ended", 0, "unlawful", "told to end"),
     ("cleared below", "cleared_below", 0, "unlawful", "cleared"),
