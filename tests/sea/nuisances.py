@@ -192,9 +192,11 @@ class Sluggish(Board):
                 self.deaf_until = now + 0.5
 
 
-def sluggish(world: World) -> Steps:
+def sluggish(world: World, slider: float = 0.0) -> Steps:
     """From W on, the board is deaf for 0.5 s behind each word, and is 4 N too heavy."""
     yield from dive(world)
+    if slider:
+        world.spawn(boat(world).repeat(lambda n: f"@DS1,{n % 20}$", 1 / slider))
     world.board.__class__ = Sluggish
     order(world, "@ZAWF$")
     world.body.buoyancy = -4.0
@@ -203,8 +205,7 @@ def sluggish(world: World) -> Steps:
 
 def sluggish_slider(world: World) -> Steps:
     """The same, and the operator's rudder slider moves all the time."""
-    world.spawn(boat(world).repeat(lambda n: f"@DS1,{n % 20}$", 1 / 200))
-    yield from sluggish(world)
+    yield from sluggish(world, 200.0)
 
 
 SCENES: tuple[Scene, ...] = (
