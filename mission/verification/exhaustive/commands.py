@@ -13,6 +13,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 
 from mission.model import Chart
+from mission.onboard.runtime.frontseat import HELD_S
 from mission.verification.exhaustive.cell import Configuration, Event
 from mission.verification.exhaustive.lines import ways_of
 from mission.verification.exhaustive.world import TENDER, World
@@ -40,6 +41,7 @@ FALSE_HEAD = b"#\x02\x80\x0c\x01"  # of a content of 3200 bytes
 COPIED = 6.0  # s that a copy is late: the answers are given, and the 5 s of two paths are over
 TURN = 10.0  # s each way of an ascent is given (R7)
 SETTLE = 0.3  # s: the line, and an answer of the STM32
+_PASSED = HELD_S + SETTLE  # s: what is passed on waits for an answer that never comes
 BELOW = 3.0  # s: the modem's turn
 WORD = "word"  # the path of an event that was made of a row of WORDS: the boat's
 
@@ -92,7 +94,7 @@ def _both(world: World) -> None:
     world.say_below(b"@RSCOOCCCC$")
     world.wait(0.5)
     world.say(b"@RSCOOCCCC$")
-    world.wait(SETTLE)
+    world.wait(_PASSED)
 
 
 def _start_while_staging(world: World) -> None:
@@ -268,11 +270,11 @@ COMMANDS = (
     Event("SP twice, the first once more by modem", script(_loosens_late), path="both",
           also=frozenset({"SP", "copy"})),
     Event("SP with an item missing", _says(b"@SP,100,5,20$"), "SP", "broken"),
-    Event("RS", _says(b"@RSCOOCCCO$"), "RS"),
-    Event("RI", _says(b"@RI$"), "RI"),
+    Event("RS", _says(b"@RSCOOCCCO$", _PASSED), "RS"),
+    Event("RI", _says(b"@RI$", _PASSED), "RI"),
     Event("RS by both paths", script(_both), "RS", "both"),
-    Event("rudder", _says(b"@DS3,20$"), "D"),
-    Event("rudder, a step", _says(b"@DA2,-2$"), "D"),
+    Event("rudder", _says(b"@DS3,20$", _PASSED), "D"),
+    Event("rudder, a step", _says(b"@DA2,-2$", _PASSED), "D"),
     Event("rudder of another connection", _other_says(b"@DS3,20$"), "D", "tender"),
     Event("NS, all open", script(_nodes_answer), "NS", "open"),
     Event("NS, AUTO closed", _says(b"@NSOOOOOC$", 1.0), "NS", "auto"),
