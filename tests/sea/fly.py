@@ -85,7 +85,8 @@ def _wire(world: World) -> list[str]:
 
 
 def drawn(scenes: tuple[Scene, ...], seed: int) -> tuple[Scene, Draw]:
-    """A scene at random, and what chance adds: nothing that a correct program could not bear."""
+    """A scene at random, and what chance adds: nothing that a correct program could not bear. A
+    slider commands (R12), so there is none where somebody else is to, by modem."""
     dice = random.Random(f"draw {seed}")
     scene = dice.choice(scenes)
     body = {
@@ -95,4 +96,6 @@ def drawn(scenes: tuple[Scene, ...], seed: int) -> tuple[Scene, Draw]:
     }
     modes = ("honest", "honest", "silent", "stuck", "alternating", "cycling", "wandering")
     slider = dice.choice((0.0, 0.0, dice.uniform(5, 200)))
-    return scene, Draw(body, {"receiver_mode": dice.choice(modes)}, round(slider))
+    mode = dice.choice(modes)
+    alone = not scene.world.get("modem")
+    return scene, Draw(body, {"receiver_mode": mode}, round(slider) if alone else 0.0)
