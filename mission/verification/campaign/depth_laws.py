@@ -156,12 +156,19 @@ def _missing(story: Story, begin: float, end: float) -> list[str]:
     over = sum(story.tilt(begin + i) > _OVERTURNED for i in range(seconds)) > _MOSTLY * seconds
     over = over and not story.faulty(("attitude_", "roll_"), begin, end)
     over = over and len(story.told_in(begin, end)) > _TELL
-    missing = [word.decode() for word in story.upward if word not in sent and not over]
+    turned = over or not _upright_for_a_round(story, begin, end)
+    missing = [word.decode() for word in story.upward if word not in sent and not turned]
     if not any(_lets_go(story, word.t) for word in words if word.data == STOP_WORD):
         missing.append("letting go")
     if over and seconds > _OVERTURNED_ROUND and DOWN_WORD not in sent:
         missing.append(DOWN_WORD.decode())
     return missing
+
+
+def _upright_for_a_round(story: Story, begin: float, end: float) -> bool:
+    """Upside down nothing is pushed that led deeper; behind that each way has its turn again."""
+    lay = [t for i in range(int(end - begin)) if story.tilt(t := begin + i) > _OVERTURNED]
+    return not lay or end - lay[-1] >= _ROUND
 
 
 def _lets_go(story: Story, t: float) -> bool:

@@ -12,7 +12,6 @@ from mission.verification.campaign.scene import (
     AA,
     AC,
     DOWN,
-    FOREVER,
     STARTED,
     Scene,
     SceneRow,
@@ -25,6 +24,7 @@ from mission.verification.campaign.scene import (
     say,
 )
 from mission.verification.campaign.scenes_at_sea import AUTO_CLOSED, AUTO_OPEN
+from mission.verification.campaign.trial import FOREVER
 from mission.verification.rig.acts import MODEM, OTHER_BOAT, PORT, Act, Disturbance
 from protocol.modem import Sender, wrap
 

@@ -58,12 +58,14 @@ _STOP_AGAIN = 1.6  # s: every 0.5 s, behind three tries of another word
 _TURNS = 1  # report with a thruster on: X0 leaves with it
 _UPWARD = 2.0  # s after a restart
 _DEEP_ENOUGH, _STAYS = 1.5, 100.0  # m, s: an ascent from where scenes are
+_UP = 0.5  # m: so it shows the surface for ever
 _RISES = 0.5  # m in 5 s: let go it floats up
 _LEFT = 2.5  # m: 2 (R7, an orderly end), and the sensor
 _DURABLE = 1.5  # s after which a state is on disk
 _BLIND, _FROZEN = 14.0, 12.0  # s: 6 s (R8), and what three reports more may take
 _QUIET, _SILENT, _FORGOTTEN = 1.9, 2.6, 61.5  # s
 _COMMANDS = 9.5  # s
+_COPY = 125.0  # s: so much later a word is a copy of one by modem, and its answer may take a while
 _RELAYED = 2.0  # s from a word to the answer of its relay
 _M = re.compile(rb"@M[TDMRSP][^@$]*\$")
 _ACKNOWLEDGED = re.compile(rb"@ACK_Z[XA]Y\$")
@@ -223,17 +225,18 @@ def _ends_on_its_way_up(story: Story) -> Iterator[Violation]:
         hurried = any(done.act in _ENDS_AT_ONCE for done in story.done)
         taken = any(end.t <= s.begin <= gone and s.state.startswith(MANUAL) for s in story.stays)
         allowed = _LEFT if story.stay_at(gone - SAME).state == STOPPED else _DEEP_ENOUGH
-        if hurried or taken or _floats_up_unseen(story, gone):
+        if hurried or taken or _is_unseen(story, gone):
             continue
         if gone <= end.t + _STAYS and story.depth(gone) > allowed:
             says = f"told to end in {stay.state}, and gone {story.depth(gone):.1f} m deep"
             yield Violation(UNLAWFUL, gone, says)
 
 
-def _floats_up_unseen(story: Story, gone: float) -> bool:
-    """A clogged port showed the surface, and it is on its way there."""
+def _is_unseen(story: Story, gone: float) -> bool:
+    """A clogged port showed the surface, and it is on its way there; or the port clogged there."""
     rises = story.depth(gone - 5.0) - story.depth(gone) > _RISES
-    return rises and story.faulty(("depth_stuck",), gone, gone)
+    there = any(story.depth(f.begin) < _UP for f in story.faults(("depth_stuck",), gone, gone))
+    return (rises or there) and story.faulty(("depth_stuck",), gone, gone)
 
 
 def _has_word(story: Story, begin: float, end: float) -> bool:
@@ -287,6 +290,7 @@ def _one_commands(story: Story) -> Iterator[Violation]:
     commander, heard = "", -math.inf
     free: dict[str, float] = {}  # when who does not command last said a word that may take over
     streams: defaultdict[str, TopsideCodec] = defaultdict(TopsideCodec)
+    by_modem: dict[bytes, float] = {}  # answers, and when they were last given there
     for event in story.trial.events:
         if isinstance(event, Said):
             if event.link == TOPSIDE and _ORDER.search(event.data):
@@ -298,7 +302,11 @@ def _one_commands(story: Story) -> Iterator[Violation]:
                     heard = event.t
                 elif event.t - heard >= _COMMANDS:
                     free[event.address] = event.t
-        elif isinstance(event, Tx) and event.link == TOPSIDE and _ACCEPTED.search(event.data):
+        elif isinstance(event, Tx) and (accepted := _ACCEPTED.search(event.data)):
+            if event.link == MODEM:
+                by_modem[accepted[0]] = event.t
+            if event.link != TOPSIDE or event.t - by_modem.get(accepted[0], -math.inf) < _COPY:
+                continue  # R12: of what was said by modem a copy is answered as done
             other = commander and event.address != commander and event.t - heard < _COMMANDS
             asked = free.get(event.address, -math.inf)
             if (
