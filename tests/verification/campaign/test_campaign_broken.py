@@ -28,7 +28,7 @@ from mission.verification.campaign.faults import fly_plan, result_of
 from mission.verification.campaign.noticing import Flights, notice
 from mission.verification.campaign.scene_texts import TEXTS, mission_of
 from mission.verification.campaign.scenes import SCENES
-from mission.verification.rig.acts import MODEM, Act, Disturbance
+from mission.verification.rig.acts import MODEM, TOPSIDE, Act, Disturbance
 from protocol.messages import MissionLine
 from protocol.modem import Sender, wrap
 from protocol.topside import encode
@@ -312,6 +312,45 @@ def test_a_place_that_a_program_has_not_heard_yet_may_end_an_ascent_within_the_l
     words = Drawn("restarted", 0.0, tuple(Disturbance(t, act) for act, t in acts))
     in_turn = FaultEvent("gps_in_turn", 14.5, 40.5, 4.0)
     plan = replace(plan, settings=replace(plan.settings, faults=(in_turn,)), incidents=(words,))
+    assert judged(plan) == set()
+
+
+def test_an_answer_to_a_copy_of_what_came_by_modem_hands_nothing_over() -> None:
+    """As flight 8912 of seed 3101: @AA by modem, then by two boats, of which neither commands."""
+    plan = stage("modem_stick", 0)
+    acts = [Disturbance(30.0, Act.SAY, wrap(b"@AA$", Sender.TOPSIDE), MODEM)]
+    for t, boat in ((36.0, "one"), (38.0, "two")):
+        acts += [
+            Disturbance(t, Act.JOIN, b"", TOPSIDE, boat),
+            Disturbance(t + 0.5, Act.SAY, b"@AA$", TOPSIDE, boat),
+        ]
+    said = replace(plan, incidents=(Drawn("modem_stick", 0.0, tuple(acts)),))
+    assert judged(said) == set()
+    with broken("commander"):
+        found = judged(stage("other_commander", 0))
+    assert any(kind == "unlawful" and "commands" in says for kind, says in found)
+
+
+def test_a_port_that_clogs_at_the_surface_lets_an_orderly_end_go_what_is_heavy() -> None:
+    """As flight 9356 of seed 3101; one that clogs deeper is brought up first."""
+    plan = stage("ended", 0)
+    end = Drawn("ended", 0.0, (Disturbance(26.1, Act.END),))
+    heavy = FaultEvent("heavy", 42.7, 1e6, 50.8)
+    stuck = FaultEvent("depth_stuck", 42.7, 59.8)
+    settings = replace(plan.settings, faults=(heavy, FaultEvent("deaf_to_w", 42.7, 1e6), stuck))
+    plan = replace(plan, settings=settings, incidents=(end,))
+    assert judged(plan) == set()
+    with broken("orderly end"):
+        found = judged(stage("ended", 0))
+    assert any(kind == "unlawful" and "told to end" in says for kind, says in found)
+
+
+def test_an_ascent_that_lay_upside_down_has_a_round_behind_that() -> None:
+    """As flight 13457 of seed 3101: U12 had led deeper, and W was the next way when it lay right."""
+    plan = stage("heavy_when_waiting", 0)
+    begin = next(fault.begin for fault in plan.settings.faults if fault.name == "heavy")
+    over = FaultEvent("capsized", begin + 3.8, 62.7)
+    plan = replace(plan, settings=replace(plan.settings, faults=(*plan.settings.faults, over)))
     assert judged(plan) == set()
 
 
