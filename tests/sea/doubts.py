@@ -19,7 +19,7 @@ from tests.sea.laws import (
     upward_within,
 )
 from tests.sea.nuisances import gaps
-from tests.sea.scene import LIGHT, Scene, Script, boat, dive, go, mission, order, ruin
+from tests.sea.scene import LIGHT, TRUE_FIXES, Scene, Script, boat, dive, go, mission, order, ruin
 from tests.sea.senses import own_voltage
 from tests.sea.world import World
 from tests.sea.wrecks import BACK, LIFTED
@@ -282,6 +282,7 @@ SCENES: tuple[Scene, ...] = (
         "full thrust has longer turns where no depth tells",
         dead_and_gappy,
         (reached(), home(300), never_deeper(30), lives()),
+        world=TRUE_FIXES,
     ),
     Scene(
         "zero-off-wandering",

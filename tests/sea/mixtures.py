@@ -22,7 +22,7 @@ from tests.sea.laws import (
 )
 from tests.sea.nuisances import gaps
 from tests.sea.others import CoreBoard, Robot, Rov
-from tests.sea.scene import LIGHT, Scene, Script, boat, dive, go, mission, order
+from tests.sea.scene import LIGHT, TRUE_FIXES, Scene, Script, boat, dive, go, mission, order
 from tests.sea.world import World
 from tests.sea.wrecks import BACK
 
@@ -240,6 +240,7 @@ SCENES: tuple[Scene, ...] = (
         "25 N of thrust lift 4 N of weight, which sinks in the turns of the others: within 4 m, for ever",
         dead_depth(-4.0),
         (reached(), home(300, 4.0, off=False), never_deeper(30), lives()),
+        world=TRUE_FIXES,
     ),
     Scene("no-depth-over", "let go it rises", dead_depth(8.0, over=True), BACK),
     Scene("over-killed", "let go it rises, before and after a crash", over_killed, BACK),

@@ -32,6 +32,9 @@ LIGHT: tuple[Law, ...] = (
     lives(),
 )
 
+# Heavy and without a depth, nobody can tell the surface from places that are made up.
+TRUE_FIXES = {"receiver_mode": "honest"}
+
 
 @dataclass(frozen=True)
 class Draw:
