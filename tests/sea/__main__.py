@@ -8,7 +8,7 @@ import sys
 
 from tests.sea.fly import drawn, fly
 from tests.sea.scene import Draw
-from tests.sea.scenes import SCENES
+from tests.sea.scenes import PAIRS, SCENES
 
 
 def main() -> int:
@@ -27,7 +27,9 @@ def main() -> int:
     )
     parser.add_argument("--list", action="store_true")
     choice = parser.parse_args()
-    scenes = tuple(s for s in SCENES if any(fnmatch.fnmatch(s.name, p) for p in choice.scene))
+    scenes = tuple(
+        s for s in (*SCENES, *PAIRS) if any(fnmatch.fnmatch(s.name, p) for p in choice.scene)
+    )
     if choice.list:
         for scene in scenes:
             sys.stdout.write(f"{scene.name:28} {scene.why}\n")

@@ -10,6 +10,7 @@ from tests.sea import (
     habits,
     mixtures,
     nuisances,
+    pairs,
     people,
     promises,
     relapses,
@@ -40,3 +41,8 @@ SCENES: tuple[Scene, ...] = (
     *promises.SCENES,
     *habits.SCENES,
 )
+
+# Flown by `make check`; draws are from the scenes above.
+PAIRS = pairs.SCENES
+# Its vehicle is lost: U12 is never heard, and nothing says it again (docs/quality.md).
+STANDS = frozenset({"dull-possessed", "sluggish-w-again-heavy", "twofold-heavy-w"})

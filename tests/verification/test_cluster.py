@@ -202,13 +202,13 @@ def test_a_worker_that_joins_later_with_another_program_does_no_job(
 def test_where_only_workers_with_another_program_are_left_that_is_told(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    for name in ("ALONE", "COUNT"):
-        monkeypatch.setattr(f"mission.verification.workers.cluster.{name}", 0.5)
+    monkeypatch.setattr("mission.verification.workers.cluster.COUNT", 0.5)
     tree = other_program(tmp_path / "tree")
     with scheduling(tmp_path) as address, ExitStack() as later:
         with worker(address, tmp_path):
             found = results(do, [("sources", n) for n in range(10_000)], place(f"dask://{address}"))
             next(found)
+            monkeypatch.setattr("mission.verification.workers.cluster.ALONE", 0.5)
             later.enter_context(worker(address, tmp_path, tree))
         with pytest.raises(Unreachable, match="of this program"):
             list(found)

@@ -73,7 +73,6 @@ SEEN = [
     ("limit depth", "shallow_depth", 0, "unanswered", "depth passed"),
     ("limit roll-over", "capsized", 2, "unanswered", "roll passed"),
     ("limit unexplained descent", "sinks_adrift", 1, "unanswered", "nothing asks for"),
-    ("limit no progress", "weak_thrusters", 4, "unanswered", "no nearer"),
     ("limit depth unknown", "blind", 1, "unanswered", "without a depth"),
     ("limit topside", "silent_topside", 0, "unanswered", "from topside"),
     ("limit no answer", "no_answers", 0, "unanswered", "without an answer"),
@@ -313,6 +312,16 @@ def test_a_place_that_a_program_has_not_heard_yet_may_end_an_ascent_within_the_l
     in_turn = FaultEvent("gps_in_turn", 14.5, 40.5, 4.0)
     plan = replace(plan, settings=replace(plan.settings, faults=(in_turn,)), incidents=(words,))
     assert judged(plan) == set()
+
+
+def test_what_lies_on_the_ground_above_the_depth_that_is_asked_for_makes_no_progress() -> None:
+    plan = stage("weak_thrusters", 0)
+    shoal = replace(plan.settings, faults=(), sea=replace(plan.settings.sea, floor=11.0))
+    plan = replace(plan, settings=shoal)
+    assert judged(plan) == set()
+    with broken("limit no progress"):
+        found = judged(plan)
+    assert any(kind == "unanswered" and "no nearer" in says for kind, says in found), found
 
 
 def test_an_answer_to_a_copy_of_what_came_by_modem_hands_nothing_over() -> None:
