@@ -15,7 +15,7 @@ from tests.sea.clock import Clock
 from tests.sea.others import xor
 from tests.sea.pi import ROOT
 from tests.sea.receiver import Receiver
-from tests.sea.scenes import SCENES
+from tests.sea.scenes import PAIRS, SCENES
 from tests.sea.stm32 import Board
 from tests.sea.wire import Line, crc_modbus, crc_stm32, modem_frame
 
@@ -105,7 +105,7 @@ def test_the_scenes_are_found_by_hand_as_by_pytest() -> None:
         check=True,
     )
     names = [line.split()[0] for line in listed.stdout.splitlines()]
-    assert names == [scene.name for scene in SCENES]
+    assert names == [scene.name for scene in (*SCENES, *PAIRS)]
     assert len(set(names)) == len(names), "a name says which one is flown"
 
 
