@@ -327,40 +327,37 @@ def test_what_lies_on_the_ground_above_the_depth_that_is_asked_for_makes_no_prog
 def test_an_answer_to_a_copy_of_what_came_by_modem_hands_nothing_over() -> None:
     """As flight 8912 of seed 3101: @AA by modem, then by two boats, of which neither commands."""
     plan = stage("modem_stick", 0)
-    acts = [Disturbance(30.0, Act.SAY, wrap(b"@AA$", Sender.TOPSIDE), MODEM)]
-    for t, boat in ((36.0, "one"), (38.0, "two")):
+    acts = [Disturbance(130.0, Act.SAY, wrap(b"@AA$", Sender.TOPSIDE), MODEM)]
+    for t, boat in ((136.0, "one"), (138.0, "two")):
         acts += [
             Disturbance(t, Act.JOIN, b"", TOPSIDE, boat),
             Disturbance(t + 0.5, Act.SAY, b"@AA$", TOPSIDE, boat),
         ]
-    said = replace(plan, incidents=(Drawn("modem_stick", 0.0, tuple(acts)),))
-    assert judged(said) == set()
-    with broken("commander"):
-        found = judged(stage("other_commander", 0))
-    assert any(kind == "unlawful" and "commands" in says for kind, says in found)
+    assert judged(replace(plan, incidents=(Drawn("modem_stick", 0.0, tuple(acts)),))) == set()
 
 
 def test_a_port_that_clogs_at_the_surface_lets_an_orderly_end_go_what_is_heavy() -> None:
-    """As flight 9356 of seed 3101; one that clogs deeper is brought up first."""
+    """As flight 9356 of seed 3101."""
     plan = stage("ended", 0)
     end = Drawn("ended", 0.0, (Disturbance(26.1, Act.END),))
-    heavy = FaultEvent("heavy", 42.7, 1e6, 50.8)
-    stuck = FaultEvent("depth_stuck", 42.7, 59.8)
-    settings = replace(plan.settings, faults=(heavy, FaultEvent("deaf_to_w", 42.7, 1e6), stuck))
-    plan = replace(plan, settings=settings, incidents=(end,))
-    assert judged(plan) == set()
-    with broken("orderly end"):
-        found = judged(stage("ended", 0))
-    assert any(kind == "unlawful" and "told to end" in says for kind, says in found)
+    faults = (
+        FaultEvent("heavy", 42.7, 1e6, 50.8),
+        FaultEvent("deaf_to_w", 42.7, 1e6),
+        FaultEvent("depth_stuck", 42.7, 59.8),
+    )
+    settings = replace(plan.settings, faults=faults)
+    assert judged(replace(plan, settings=settings, incidents=(end,))) == set()
 
 
 def test_an_ascent_that_lay_upside_down_has_a_round_behind_that() -> None:
     """As flight 13457 of seed 3101: U12 had led deeper, and W was the next way when it lay right."""
-    plan = stage("heavy_when_waiting", 0)
-    begin = next(fault.begin for fault in plan.settings.faults if fault.name == "heavy")
-    over = FaultEvent("capsized", begin + 3.8, 62.7)
-    plan = replace(plan, settings=replace(plan.settings, faults=(*plan.settings.faults, over)))
-    assert judged(plan) == set()
+    plan = replace(stage("heavy_when_waiting", 0), profile="documented")
+    begin = plan.incidents[0].disturbances[0].after  # of the stick
+    faults = (
+        FaultEvent("heavy", begin + 1.5, 1e6, 33.3),
+        FaultEvent("capsized", begin + 5.3, 62.7),
+    )
+    assert judged(replace(plan, settings=replace(plan.settings, faults=faults))) == set()
 
 
 def test_a_push_that_led_deeper_upside_down_is_seen_when_it_comes_again() -> None:
