@@ -17,7 +17,7 @@ from tests.sea.laws import (
     upward_within,
 )
 from tests.sea.others import Rov
-from tests.sea.scene import LIGHT, Scene, Script, boat, dive, order
+from tests.sea.scene import LIGHT, Scene, Script, boat, dive, order, slides
 from tests.sea.stm32 import Board
 from tests.sea.world import World
 from tests.sea.wrecks import BACK, LIFTED
@@ -182,21 +182,21 @@ def flood_term(world: World) -> Steps:
 
 
 class Sluggish(Board):
-    """Hears nothing for 0.5 s after each word that it has taken."""
+    """Hears nothing for so many seconds after each word that it has taken."""
+
+    behind = 0.5
 
     def hear(self, now: float, data: bytes) -> None:
         count = len(self.words)
         if now >= self.deaf_until:
             super().hear(now, data)
             if len(self.words) > count:
-                self.deaf_until = now + 0.5
+                self.deaf_until = now + self.behind
 
 
-def sluggish(world: World, slider: float = 0.0) -> Steps:
+def sluggish(world: World) -> Steps:
     """From W on, the board is deaf for 0.5 s behind each word, and is 4 N too heavy."""
     yield from dive(world)
-    if slider:
-        world.spawn(boat(world).repeat(lambda n: f"@DS1,{n % 20}$", 1 / slider))
     world.board.__class__ = Sluggish
     order(world, "@ZAWF$")
     world.body.buoyancy = -4.0
@@ -205,7 +205,8 @@ def sluggish(world: World, slider: float = 0.0) -> Steps:
 
 def sluggish_slider(world: World) -> Steps:
     """The same, and the operator's rudder slider moves all the time."""
-    yield from sluggish(world, 200.0)
+    world.spawn(slides(world, 200.0))
+    yield from sluggish(world)
 
 
 SCENES: tuple[Scene, ...] = (

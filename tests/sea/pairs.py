@@ -49,15 +49,10 @@ class Tardy(Board):
         self.acks[-1] = (self.acks[-1][0] + self.behind, data)
 
 
-class Dull(Board):
-    """Hears nothing for 0.8 s after each word that it has taken: longer than three tries last."""
+class Dull(Sluggish):
+    """Hears nothing for longer than three tries last."""
 
-    def hear(self, now: float, data: bytes) -> None:
-        count = len(self.words)
-        if now >= self.deaf_until:
-            super().hear(now, data)
-            if len(self.words) > count:
-                self.deaf_until = now + 0.8
+    behind = 0.8
 
 
 class Twofold(Sluggish):

@@ -69,11 +69,11 @@ class Scene:
 
         world = World(body, board, seed=seed, **{**draw.world, **self.world})
         if draw.slider:
-            world.spawn(_slides(world, draw.slider))
+            world.spawn(slides(world, draw.slider))
         return world
 
 
-def _slides(world: World, rate: float) -> Steps:
+def slides(world: World, rate: float) -> Steps:
     """The first operator's rudder slider, from the dive on."""
     while "down" not in world.marks:
         yield

@@ -198,14 +198,20 @@ class Frontseat:
         waiting = self._outstanding
         if waiting and now >= waiting.deadline:
             return [self._send(waiting.frame, waiting.tries + 1, now)]
-        if waiting and now < self._row_from + HELD_S:
-            return []
         if waiting is None and self._urgent:
             return [self._send(self._urgent.popleft(), 1, now)]
         if waiting is None and self._queue and not any(o.until > now for o in self._owed):
             frame = self._queue.popleft()
             self._late_at = self._late_at if self._queue else None
             return [self._send(frame, 1, now)]
+        return self._pass_on(now) if now >= self._passes_on_at else []
+
+    @property
+    def _passes_on_at(self) -> float:
+        """From when on what is passed on may leave, if the line is free."""
+        return -math.inf if self._outstanding is None else self._row_from + HELD_S
+
+    def _pass_on(self, now: float) -> list[Tx]:
         word = self._outputs.take(now) or (self._relays.take() if self._relays else None)
         if word is None:
             return []
@@ -215,7 +221,7 @@ class Frontseat:
     def next_timer(self) -> float | None:
         """When ``poll`` has something to do."""
         waiting = self._outstanding
-        others = max(self._free, self._row_from + HELD_S) if waiting else self._free
+        others = max(self._free, self._passes_on_at)
         due = [others] if self._relays.waiting or (waiting is None and self._urgent) else []
         if (said := self._outputs.next_timer()) is not None:
             due.append(max(others, said))

@@ -104,11 +104,15 @@ def _other_commander(rng: Random) -> Scene:
     return Scene("there", (), (joins(), *talk, *said))
 
 
+def _slides(t: float, rate: float, seconds: float) -> list[Disturbance]:
+    return [say(t + i / rate, b"@DS1,%d$" % (i % 20)) for i in range(int(seconds * rate))]
+
+
 def _slider(rng: Random) -> Scene:
     """A rudder slider of the commander that moves, and an ascent or legs beside it."""
     t = rng.uniform(DOWN, 60.0)
     rate = rng.choice([5.0, 60.0, 100.0, 200.0])
-    moved = [say(t + i / rate, b"@DS1,%d$" % (i % 20)) for i in range(int(40.0 * rate))]
+    moved = _slides(t, rate, 40.0)
     said = [say(t + 10.0 * (i + 1) + rng.random(), rng.choice([X, W])) for i in range(3)]
     return Scene("there", (heavy(rng, t),) if rng.random() < 0.4 else (), (*moved, *said))
 
@@ -117,7 +121,7 @@ def _busy_slider(rng: Random) -> Scene:
     """The same, heavy, with a board that hears nothing for a while behind each word."""
     t = rng.uniform(DOWN, 60.0)
     rate = rng.choice([20.0, 60.0, 200.0])
-    moved = [say(t + i / rate, b"@DS1,%d$" % (i % 20)) for i in range(int(60.0 * rate))]
+    moved = _slides(t, rate, 60.0)
     busy = fault("busy", t - 1.0, FOREVER, round(rng.uniform(0.3, 0.5), 2))
     said = say(t + rng.uniform(0.0, 5.0), rng.choice([X, W]))
     return Scene("there", (heavy(rng, t), busy), (*moved, said))
