@@ -168,7 +168,11 @@ def draw_calibration(done: Calibrated, path: Path) -> None:
     dives.margins(y=0.2)  # room for the legend
     held_out = ", after: calibrated on the other logs" if done.held_out else ""
     dives.set_title(f"dead reckoning before and after calibration{held_out}", fontsize=10)
-    dives.legend(loc="upper right", ncols=2)
+    if known:
+        dives.legend(loc="upper right", ncols=2)
+    else:
+        dives.set_yticks([])
+        dives.text(0.5, 0.5, "no dive between two fixes", transform=dives.transAxes, ha="center")
     shown = np.linspace(0.0, 2.0 * math.pi, 181)
     vehicle = done.vehicle
     error = [vehicle.compass_bias + vehicle.calibration.deviation.at(float(h)) for h in shown]

@@ -12,9 +12,11 @@ import numpy as np
 import pytest
 import yaml
 from click.testing import CliRunner
+from matplotlib.axes import Axes
 from simulated_truth import HOME, Flown, fly_plan
 
 from mission.analysis.calibration import Calibrated, CalibrationError, calibrate
+from mission.analysis.drawing import draw_calibration
 from mission.analysis.lessons import kept, section, untaught
 from mission.analysis.smoothing import Track, smooth
 from mission.commands.calibrate import calibrate as calibrate_command
@@ -267,6 +269,16 @@ def test_calibrate_prints_a_section_and_draws(box: Path, tmp_path: Path) -> None
     assert result.exit_code == 0, result.output
     assert "speed_scale" in yaml.safe_load(result.stdout)["calibration"]
     assert picture.exists()
+
+
+def test_a_picture_of_logs_without_a_dive_says_so(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    told: list[str] = []
+    monkeypatch.setattr(Axes, "text", lambda _self, _x, _y, words, **_: told.append(words))
+    none = Calibrated(VEHICLE, (0.1, 0.1, 0.1, 0.1), (), False, (), (), None)
+    draw_calibration(none, tmp_path / "cal.png")
+    assert told == ["no dive between two fixes"]
 
 
 def test_calibrate_tells_what_it_kept_and_when_the_error_has_grown(
