@@ -7,9 +7,10 @@ A way that makes the depth fall, from its turn's begin or, where it sank on, fro
 is kept for as long as it does, over two turns of it, and said once more when it no longer does: the
 board may have lost it. One under which a vehicle that sank has just turned round has another turn.
 Behind a push the wrong way a vehicle sinks on before it rises, and letting go then has two turns.
-Full thrust has two when it comes round again: by a depth that comes 12 s late what one way lifts is
-seen in the turn of the next. Where no depth tells, it has one more each time it comes round, up to
-four: what is heavy sinks in the turns of the others.
+Full thrust has two when it comes round again, and at once for what sank when it was let go at the
+surface: by a depth that comes 12 s late what one way lifts is seen in the turn of the next. Where
+no depth tells, it has one more each time it comes round, up to four: what is heavy sinks in the
+turns of the others.
 An unknown depth counts as not falling. Where the attitude is doubtful too, any push may lead down:
 each time the vehicle is let go that lasts twice as long, up to 160 s, and then 10 s again, since
 what is heavy needs the pushes. A depth that was known in the turn of full thrust and is not at its
@@ -47,8 +48,9 @@ Way = Setpoint | Order
 
 
 class Ascent:
-    """``ways``: the vehicle's, in their order. ``upward``: it begins with X0 and U12. A depth is
-    taken for its change alone, and None where not even that is believed."""
+    """``ways``: the vehicle's, in their order. ``upward``: it begins with X0 and U12; ``sank``: out
+    of the surface where it was let go. A depth is taken for its change alone, and None where not
+    even that is believed."""
 
     __slots__ = (
         *(
@@ -57,6 +59,7 @@ class Ascent:
             "_deepest",
             "_dark",
             "_downward",
+            "_heard",
             "_kept",
             "_let_go",
             "_longest",
@@ -81,12 +84,14 @@ class Ascent:
         *,
         overturned: bool = False,
         upward: bool = False,
+        sank: bool = False,
     ) -> None:
         self.began, self.why, self._ways = now, why, ways
         self._turn = self._longest = TURN
         self._downward: tuple[Way, ...] = ()  # that led deeper, upside down
         self._dark, self._let_go = False, 0  # neither depth nor attitude; times let go so
         self._kept = False  # the way in use has made the depth fall
+        self._heard = False  # an operator has said W in its turn
         self._before: float | None = None  # the deepest of the turn before, that was of this way
         self._begin_turn(now, depth)
         first = ways[0]
@@ -98,6 +103,8 @@ class Ascent:
         self.way: Way = ways[self._at]
         self._push = UPWARD if UPWARD in ways else Order.SURFACE  # that has two turns later
         self._pushes = int(self.way == self._push)
+        if sank and depth is not None and self._pushes:
+            self._turn, self._longest = 2.0 * TURN, 2.0 * TURN + WORD
         self._overturned_at = now - OVERTURNED_PAUSE
 
     @property
@@ -108,9 +115,13 @@ class Ascent:
     def first(self) -> tuple[Action, ...]:
         return (Action(self.way, self.why),)
 
-    def hear(self, now: float) -> None:
-        """An operator has said W: the next way, due at once, would take its place on the line."""
-        self._turn = min(max(self._turn, now + WORD - self._since), self._longest)
+    def hear(self, now: float) -> bool:
+        """An operator has said W, which is not the way in use. True once a turn: it leaves, and the
+        next way, due at once, would take its place on the line."""
+        first, self._heard = not self._heard, True
+        if first:
+            self._turn = min(max(self._turn, now + WORD - self._since), self._longest)
+        return first
 
     def act(
         self, now: float, depth: float | None, overturned: bool, doubtful: bool = False
@@ -206,7 +217,7 @@ class Ascent:
         self._before = before
 
     def _begin_turn(self, now: float, depth: float | None, turn: float | None = None) -> None:
-        self._before = None
+        self._before, self._heard = None, False
         self._since = self._looked = now
         self._turn = TURN if turn is None else turn
         self._longest = self._turn + WORD

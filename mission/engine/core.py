@@ -226,7 +226,8 @@ class Core(EngineState):
     ) -> None:
         """emergency/surfacing, from anywhere; ``name`` is the row of the region table. An ascent
         that is under way, or that a leg has begun, goes on: to begin it anew would undo what it has
-        found out. An operator's W leaves as it is, and what the ascent does behind it."""
+        found out. An operator's W leaves as it is, and behind it the way in use. Where that is not
+        W it does so once a turn: said again and again it would keep that way from the board."""
         run, vehicle_state = self.flying, self.vehicle_state
         sinking = name == "limit" and self._rests
         self._sank = self._sank or (sinking and self.active == SURFACED)
@@ -245,14 +246,12 @@ class Core(EngineState):
             self.ways,
             overturned=vehicle_state.overturned,
             upward=sinking or vehicle_state.depth is None,
+            sank=self._sank,
         )
-        actions: tuple[Action, ...] = ()
-        if by is By.OPERATOR and self.ascent.way is not Order.SURFACE:
-            actions = (Action(Order.SURFACE, why),)
-            self.ascent.hear(self.now)
-        if by is By.OPERATOR or not begun:
-            actions = (*actions, Action(self.ascent.way, why))
-        self._move(name, SURFACING, why, actions, by, evaluations)
+        way = self.ascent.way
+        said = by is By.OPERATOR and (way is Order.SURFACE or self.ascent.hear(self.now))
+        words = [Order.SURFACE] * (said and way is not Order.SURFACE) + [way] * (said or not begun)
+        self._move(name, SURFACING, why, tuple(Action(w, why) for w in words), by, evaluations)
 
     def _to_emergency(self) -> None:
         """Ends the mission; from here the operator has to clear, or to take the stick."""

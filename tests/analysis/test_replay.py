@@ -42,8 +42,7 @@ KEPT = sorted((Path(__file__).parent / "recorded").glob("*.mcap"))
 
 @pytest.mark.parametrize("path", KEPT, ids=lambda path: path.stem)
 def test_a_box_that_was_recorded_long_ago_gives_the_same_bytes_and_states(path: Path) -> None:
-    """Who changes a rule of flight on purpose records them anew: `auvmission faults --seed 5
-    --flight 3` (short-time) and `--flight 25` (heavy-then-ended, begun-again) with `--report`."""
+    """Who changes a rule of flight on purpose records them anew: python tests/analysis/record.py."""
     found = replay(list(read_records(path)))
     assert found.identical, summary(found)
 

@@ -64,11 +64,14 @@ def test_every_command_that_left_stands_in_the_story_with_its_reason() -> None:
         if isinstance(one, Record) and one.kind == "tx" and b'"vehicle"' in one.payload
     ]
     rows = chapter(story([items]), "Commands to the vehicle").rows
-    assert len(rows) == len(sent) > 5
-    for row, record in zip(rows, sent, strict=True):
-        said = json.loads(record.payload)
-        assert row[1:] == (said["data"], said["reason"])
-        assert row[2]
+    words = [json.loads(record.payload) for record in sent]
+    news = [said for said in words if not said["reason"].endswith(" (held)")]
+    assert len(rows) == len(news) > 5
+    for row, said in zip(rows, news, strict=True):
+        times = row[2].removeprefix(said["reason"])
+        assert (row[1], bool(said["reason"])) == (said["data"], True)
+        assert times == "" or (said["data"] == "@ZAU12$" and times.startswith(" (2 times, until "))
+    assert sum(row[2].count(" (2 times, until ") for row in rows) == len(words) - len(news)
 
 
 def test_every_leg_has_the_guard_that_ended_it_and_what_it_saw() -> None:
@@ -153,10 +156,12 @@ def test_the_depth_of_an_emergency_counts() -> None:
         for record in records
         if record.kind == "estimate"
     ]
-    text = as_text("dive", story([records]))
-    assert f"it was {max(depths):.1f} m deep at most" in text
+    found = re.search(r"it was ([\d.]+) m deep at most", as_text("dive", story([records])))
+    assert found is not None
+    deepest = float(found[1])
+    assert deepest == pytest.approx(max(depths), abs=0.2), "reports and their estimate"
     left = next(row for row in chapter(story([records]), "Limits").rows if row[0] == "depth")
-    assert left[2] == f"{10.0 - max(depths):.1f} m"
+    assert left[2] == f"{10.0 - deepest:.1f} m"
 
 
 @pytest.fixture(scope="module")
@@ -651,7 +656,7 @@ def test_two_runs_of_the_program_are_told_in_their_order_with_what_was_under_way
     titles = [one.title for one in chapters]
     assert titles.count("What happened") == 2
     between = chapters[titles.index("Between two recordings")]
-    assert re.search(r"The program began again 118\.7 s later: ", between.says[0])
+    assert re.search(r"The program began again 95\.0 s later: ", between.says[0])
     assert "was under way" in between.says[0] or "under way was" in between.says[0]
     first = [says for one in chapters[:1] for says in one.says]
     assert first[0].startswith("The program (version")
@@ -670,7 +675,7 @@ def test_what_is_missing_is_told_by_log_and_story(tmp_path: Path) -> None:
     path = tmp_path / "cut.mcap"
     data = bytearray(SHORT.read_bytes())
     data[len(data) // 2] ^= 1
-    path.write_bytes(data[:-500])
+    path.write_bytes(data[: len(data) * 3 // 4])
     assert "Not everything is on record" in told(path)
     lines = logged(path).stdout
     assert "are missing between" in lines

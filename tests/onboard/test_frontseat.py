@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mission.model import Action, Outcome, Result, Tx
-from mission.onboard.runtime.frontseat import ANSWER_S, GAP_S, HELD_S, TRIES, Frontseat
+from mission.onboard.runtime.frontseat import AGAIN_S, ANSWER_S, GAP_S, HELD_S, TRIES, Frontseat
 from protocol.codec import CannotEncode
 from protocol.messages import Ack, Order, Setpoint
 
@@ -499,3 +499,45 @@ def test_no_mix_of_relays_keeps_an_order_or_a_set_back(script, latency: float) -
             due = [(f, by) for f, by in due if f != tx.data]
         line.sent = []
         assert all(now <= by for _, by in due), due
+
+
+UPWARDS = Setpoint(heave=-1.0)
+FRAMES[UPWARDS] = [b"@ZAX0$", b"@ZAU12$"]
+
+
+def test_the_lift_of_an_ascent_is_said_once_more_behind_its_answer(line: Line) -> None:
+    """An X0 that is answered twice answers for both."""
+    line.give(UPWARDS, 0.0)
+    line.answer(0.05)
+    line.until(0.06)
+    line.answer(0.2)
+    line.until(AGAIN_S + 0.1)
+    assert line.frames == [b"@ZAX0$", b"@ZAU12$"]
+    line.until(AGAIN_S + 0.2)
+    line.answer(AGAIN_S + 0.25)
+    line.until(60.0)
+    assert line.frames == [b"@ZAX0$", b"@ZAU12$", b"@ZAU12$"]
+    assert line.seat.next_timer() is None
+
+
+def test_a_lift_that_nobody_answers_is_said_again_until_something_else_is(line: Line) -> None:
+    """A board that hears nothing for 0.8 s behind each word never heard one of the three tries."""
+    line.give(UPWARDS, 0.0)
+    line.answer(0.05)
+    line.until(10.0)
+    assert line.frames.count(b"@ZAU12$") > TRIES * 4
+    assert line.seat.said_all
+    assert [o.result for o in line.outcomes] == [Result.ACCEPTED, Result.LOST]
+    line.give(Order.STOP, 10.0)
+    line.answer(10.05)
+    line.until(60.0)
+    assert line.frames[-1] == b"@ZAX0$"
+
+
+def test_no_lift_is_said_again_once_somebody_steers(line: Line) -> None:
+    line.give(UPWARDS, 0.0)
+    line.answer(0.05)
+    line.until(0.5)
+    line.relay(b"@MMD5$", 0.6, manual=True)
+    line.until(60.0)
+    assert line.frames[-1] == b"@MMD5$"

@@ -44,5 +44,3 @@ SCENES: tuple[Scene, ...] = (
 
 # Flown by `make check`; draws are from the scenes above.
 PAIRS = pairs.SCENES
-# Its vehicle is lost: U12 is never heard, and nothing says it again (docs/quality.md).
-STANDS = frozenset({"dull-possessed", "sluggish-w-again-heavy", "twofold-heavy-w"})

@@ -19,6 +19,10 @@ owed an answer; until that came or could no longer come (300 ms) an ACK of code 
 to be the next frame's, and the next setpoint waits. STOP and SURFACE do not wait: at worst they
 are sent once more.
 
+The U12 of an ascent is said again by itself: once behind its answer, and for as long as there is
+none, until something else is commanded. A board that is busy with the X0 before it hears none of
+three tries, and an X0 that is answered twice answers for both.
+
 What does not live here: what the commands mean and the R8 consequence of three lost Z (engine),
 which relay is next (relays), frames (protocol.vehicles), bytes on the port (links).
 """
@@ -28,17 +32,18 @@ from __future__ import annotations
 import math
 from collections import deque
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from mission.model import Action, Outcome, Result, Tx
 from mission.onboard.runtime.relays import Relays
 from mission.onboard.runtime.restated import Restated, TakeOutputs, no_outputs
 from protocol.codec import CannotEncode
-from protocol.messages import Ack, Order, Outputs, Setpoint, Telemetry
+from protocol.messages import UPWARD, Ack, Order, Outputs, Setpoint, Telemetry
 from protocol.vehicles.auv import change
 
 ANSWER_S = 0.3
 TRIES = 3
+AGAIN_S = 1.5  # behind the tries of an ascent's U12, until it is said again
 HELD_S = 2.0  # for which unanswered frames hold relays back: three tries of two frames, and some
 GAP_S = 0.02
 BITS_PER_BYTE = 10  # 8N1
@@ -52,6 +57,11 @@ class _Frame:
     data: bytes
     command: Setpoint | Order
     reason: str
+    again: bool = False  # it has been said before, and was answered or lost
+
+    @property
+    def lifts(self) -> bool:
+        return self.command == UPWARD and self.code == "U"
 
     @property
     def code(self) -> str:
@@ -101,14 +111,21 @@ class Frontseat:
         self._set: Setpoint | None = None  # the newest
         self._late_at: float | None = None  # unless all of a set has left by then
         self._order: Order | None = None  # the newest command, if it is one
+        self._again: tuple[float, _Frame] | None = None  # what is said again, and when
         self._sent_at = self._row_from = -math.inf  # a frame that is answered; a row of them
         self._free = 0.0  # from when on the line may be used
 
     @property
     def idle(self) -> bool:
         """Nothing waits to be sent or answered."""
+        return self.said_all and self._outstanding is None and self._again is None
+
+    @property
+    def said_all(self) -> bool:
+        """The same, but for what is said again."""
+        waiting = self._outstanding
         waits = self._urgent or self._queue or self._relays.waiting or self._outputs.words
-        return not (waits or self._outstanding)
+        return not waits and (waiting is None or waiting.frame.again)
 
     def command(self, action: Action) -> Outcome | None:
         """Queue an action; an Outcome only if the vehicle has no word for it."""
@@ -122,7 +139,7 @@ class Frontseat:
         if action.steers and self._held is not None:
             data = change(data, self._encode(self._held))
         frames = [_Frame(d, action.command, action.reason) for d in data]
-        self._held = None
+        self._held = self._again = None
         before, self._set = self._set, None
         if isinstance(action.command, Setpoint):
             self._set = action.command
@@ -155,6 +172,7 @@ class Frontseat:
             self._urgent.clear()
             self._give_up()
             self._held = self._becoming = self._set = self._late_at = self._order = None
+            self._again = None
         return self._relays.add(data, reason, manual)
 
     def report(self, report: Telemetry) -> None:
@@ -176,6 +194,8 @@ class Frontseat:
         self._becoming = self._becoming if ack.ok else None
         if not self._queue:
             self._held = self._becoming
+        if not waiting.frame.again:
+            self._say_again(waiting.frame, now)
         return Outcome(result, waiting.frame.data, waiting.frame.command)
 
     def poll(self, now: float) -> tuple[list[Tx], list[Outcome]]:
@@ -191,11 +211,13 @@ class Frontseat:
             return [], [Outcome(Result.LATE, self._queue[0].data, self._queue[0].command)]
         if waiting and now >= waiting.deadline and waiting.tries >= TRIES:
             self._outstanding = self._becoming = None
-            return [], [Outcome(Result.LOST, waiting.frame.data, waiting.frame.command)]
+            self._say_again(waiting.frame, now)
+            lost = Outcome(Result.LOST, waiting.frame.data, waiting.frame.command)
+            return [], [] if waiting.frame.again else [lost]
         return (self.next_out(now) if now >= self._free else []), []
 
     def next_out(self, now: float) -> list[Tx]:
-        waiting = self._outstanding
+        waiting, again = self._outstanding, self._again
         if waiting and now >= waiting.deadline:
             return [self._send(waiting.frame, waiting.tries + 1, now)]
         if waiting is None and self._urgent:
@@ -204,12 +226,16 @@ class Frontseat:
             frame = self._queue.popleft()
             self._late_at = self._late_at if self._queue else None
             return [self._send(frame, 1, now)]
+        if waiting is None and again and now >= again[0]:
+            self._again = None
+            return [self._send(again[1], 1, now)]
         return self._pass_on(now) if now >= self._passes_on_at else []
 
     @property
     def _passes_on_at(self) -> float:
         """From when on what is passed on may leave, if the line is free."""
-        return -math.inf if self._outstanding is None else self._row_from + HELD_S
+        waits = self._outstanding or self._again
+        return self._row_from + HELD_S if waits else -math.inf
 
     def _pass_on(self, now: float) -> list[Tx]:
         word = self._outputs.take(now) or (self._relays.take() if self._relays else None)
@@ -231,6 +257,8 @@ class Frontseat:
             # The last wait ends by the clock alone; another try needs the line.
             last = waiting.tries >= TRIES
             due.append(waiting.deadline if last else max(self._free, waiting.deadline))
+        elif self._again is not None:
+            due.append(max(self._free, self._again[0]))
         elif self._queue:
             due.append(max([self._free, *(owed.until for owed in self._owed)]))
         first = min(due, default=math.inf)
@@ -247,6 +275,11 @@ class Frontseat:
     def _transmit(self, data: bytes, reason: str, now: float) -> Tx:
         self._free = now + len(data) * self._seconds_per_byte + GAP_S
         return Tx(now, self._link, data, reason)
+
+    def _say_again(self, frame: _Frame, now: float) -> None:
+        if frame.lifts:
+            reason = frame.reason if frame.again else f"{frame.reason} (held)"
+            self._again = now + AGAIN_S, replace(frame, reason=reason, again=True)
 
     def _give_up(self) -> None:
         if self._outstanding:

@@ -154,6 +154,11 @@ class Repeater:
         self._free = now + len(word[0]) * self._seconds_per_byte
         return [Tx(now, self._link, *word)]
 
+    @property
+    def said_all(self) -> bool:
+        """Nothing waits to be sent, nor is said again and again."""
+        return self.next_timer() is None
+
     def next_timer(self) -> float | None:
         said = self._outputs.next_timer()
         first = math.inf if said is None else max(said, self._free)

@@ -189,7 +189,7 @@ class Runtime:
     @property
     def said_all(self) -> bool:
         """Nothing waits to be sent to the vehicle, or for its answer."""
-        return self._frontseat.next_timer() is None
+        return self._frontseat.said_all
 
     def next_timer(self) -> float | None:
         first = self._marker.next_timer()

@@ -90,6 +90,7 @@ class _Permit:
     frame: bytes
     order: bool
     since: float
+    lifts: bool = False  # an ascent's U12 is said again (R7)
     tries: int = 0
     begun: bool = False  # it has left, or it was an older one that looks the same
     ends: float = math.inf
@@ -290,7 +291,8 @@ class _Auditor:
             if order or not permit.order:
                 permit.ends = min(permit.ends, ended)
         self._permits = [p for p in self._permits if p.ends > t]
-        self._permits += [_Permit(frame, order, t) for frame in self._encode(command)]
+        for frame in self._encode(command):
+            self._permits.append(_Permit(frame, order, t, command == UPWARD and b"U" in frame))
 
     # --- sent ----------------------------------------------------------------------------------
 
@@ -304,7 +306,9 @@ class _Auditor:
         live = [
             permit
             for permit in self._permits
-            if tx.t <= permit.ends and permit.tries < TRIES and alike(permit.frame, tx.data)
+            if tx.t <= permit.ends
+            and (permit.lifts or permit.tries < TRIES)
+            and alike(permit.frame, tx.data)
         ]
         for permit in live[:1]:  # the oldest that is left has the line
             permit.sent(tx.t)

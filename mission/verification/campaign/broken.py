@@ -86,6 +86,9 @@ _RULES: Mapping[str, Broken] = {
         breaks.relays_between_tries,
         when=breaks.has_relays,
     ),
+    "lift again": Broken(
+        "R7: an ascent's U12 is said again", instead(frontseat, "AGAIN_S", 1e9), alike=same
+    ),
     "surface at once": Broken(
         "R7: 6 s of shallow depth", instead(vehicle_state, "SURFACE_TIME", 0.0)
     ),

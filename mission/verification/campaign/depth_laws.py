@@ -207,7 +207,7 @@ def _pushes_again(story: Story, stay: Stay) -> Iterator[Violation]:
 def _ways(story: Story, stay: Stay) -> list[Tx]:
     """The words of an ascent that begin something: no second try, no X0 of another word."""
     words = [w for w in story.words_in(stay.begin, stay.end) if w.data in _WAYS]
-    news = [w for w in words if "(try " not in w.reason]
+    news = [w for w in words if not w.reason.endswith(("(held)", " of 3)"))]
     return [w for w in news if w.data != STOP_WORD or _lets_go(story, w.t)]
 
 

@@ -122,7 +122,8 @@ def _busy_slider(rng: Random) -> Scene:
     t = rng.uniform(DOWN, 60.0)
     rate = rng.choice([20.0, 60.0, 200.0])
     moved = _slides(t, rate, 60.0)
-    busy = fault("busy", t - 1.0, FOREVER, round(rng.uniform(0.3, 0.5), 2))
+    seconds = rng.choice([rng.uniform(0.3, 0.45), rng.uniform(0.65, 0.9)])
+    busy = fault("busy", t - 1.0, FOREVER, round(seconds, 2))
     said = say(t + rng.uniform(0.0, 5.0), rng.choice([X, W]))
     return Scene("there", (heavy(rng, t), busy), (*moved, said))
 

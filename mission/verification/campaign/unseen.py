@@ -19,6 +19,7 @@ _OF_BOARDS: _Reasons = {
     "its board repeats the newest, and nothing waits before that": (
         "relays first",
         "relays between",
+        "lift again",
         "gap",
     ),
     "the check refuses what would be held; test_outer_loop tries it": ("unconfirmed loop",),

@@ -9,7 +9,7 @@ from __future__ import annotations
 from mission.model import IDLE_EMPTY, IDLE_READY, MANUAL_DRIVING, STOPPED, SURFACED, SURFACING
 from mission.verification.exhaustive.cell import Cell
 from mission.verification.exhaustive.laws import AT_ONCE, AT_SURFACE, Law, Verdict, wrong
-from mission.verification.exhaustive.lines import WATER, X, upward
+from mission.verification.exhaustive.lines import HELD, WATER, X, upward
 
 _AT_REST = (STOPPED, SURFACED)
 
@@ -79,7 +79,8 @@ def _last_words(cell: Cell) -> Verdict:
     under_way = _under_way(cell, cell.world.ended_in) or _sinks_again(cell)
     if "last" not in cell.event.causes or not under_way:
         return None
-    left = [t.data for t in cell.frames(b"@Z", cell.world.ended_after)]
+    frames = cell.frames(b"@Z", cell.world.ended_after)
+    left = [t.data for t in frames if HELD not in t.reason]
     return wrong(
         (cell.state != SURFACING, f"the state is {cell.state}"),
         (left != upward(cell.line), f"{left} left"),
