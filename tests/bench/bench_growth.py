@@ -168,11 +168,11 @@ def marginals(points: Sequence[Point], per: int, of: Callable[[Cost], float]) ->
 
 def bend(points: Sequence[Point], of: Callable[[Cost], float], noise: float) -> int | None:
     """The first size beyond which, to the end, one more costs half as much again as up to it;
-    None: nowhere. What grows by less than the noise bends nothing."""
+    None: nowhere. Each difference may be wrong by the noise, and then bends nothing."""
     first, last = points[0], points[-1]
     for point in points[1:-1]:
         before, after = of(point.cost) - of(first.cost), of(last.cost) - of(point.cost)
-        each = max(before, noise) / (point.size - first.size)
+        each = (max(before, 0.0) + noise) / (point.size - first.size)
         if after > noise and after > BENT * each * (last.size - point.size):
             return point.size
     return None

@@ -1,30 +1,42 @@
 """QGroundControl's .plan (docs.qgroundcontrol.com, plan file format): JSON, fileType "Plan".
 
 A SimpleItem is a MAVLink item; a ComplexItem of a survey carries the items it was expanded to. Home
-stands apart, and is no item. Fences and rally points are left out.
+stands apart, and is no item. Polygons and circles of the GeoFence are areas to keep in, or out of.
+A circle is a polygon of ``_ROUND`` corners, on the circle or about it: it allows no more. Of
+several fences to keep in some autopilots ask for all and others for one, so they are refused.
+Rally points are left out.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from functools import partial
 
 from mission.authoring.importing.mavlink import Item, Reader
-from mission.authoring.importing.route import Findings, Route, Source, Step, position
+from mission.authoring.importing.route import Fence, Findings, Route, Source, Step, position
 from mission.authoring.importing.tree import Value, values
 from mission.model import Position
+from mission.navigation.geodesy import LocalFrame
 
 _PARAMETERS = 7
+_ROUND = 24
 
 
 def read(data: bytes, found: Findings) -> Source:
     root = values(data, found)
     if root.get("fileType").text() != "Plan":
         raise found.refusal("plan-format", "fileType", "it is not Plan")
-    _leave_out(root, found)
+    if root.get("rallyPoints").get("points").raw:
+        found.leave_out("rallyPoints.points", "rally points")
     items = root.get("mission").get("items")
     home = _home(root.get("mission").get("plannedHomePosition"), found)
-    return Source((Route("", items.path, partial(_steps, items, found)),), home)
+    fences = tuple(_fences(root.get("geoFence"), found))
+    inner = [fence.where for fence in fences if not fence.out]
+    if len(inner) > 1:
+        message = f"a second fence to keep in, beside {inner[0]}: in both of them, or in one?"
+        found.refuse("no-counterpart", inner[1], message, "make one fence of them")
+    return Source((Route("", items.path, partial(_steps, items, found)),), home, fences=fences)
 
 
 def _steps(items: Value, found: Findings) -> tuple[Step, ...]:
@@ -33,13 +45,41 @@ def _steps(items: Value, found: Findings) -> tuple[Step, ...]:
     return tuple(step for item in read if item is not None for step in reader.steps(item))
 
 
-def _leave_out(root: Value, found: Findings) -> None:
-    fence = root.get("geoFence")
-    for key in ("circles", "polygons"):
-        if fence.get(key).raw:
-            found.leave_out(f"geoFence.{key}", "a fence")
-    if root.get("rallyPoints").get("points").raw:
-        found.leave_out("rallyPoints.points", "rally points")
+def _fences(fence: Value, found: Findings) -> Iterator[Fence]:
+    for value in _those_of(fence.get("polygons")):
+        places = [_place(corner, found) for corner in _those_of(value.get("polygon"))]
+        corners = tuple(place for place in places if place is not None)
+        if len(places) < 3:
+            found.refuse("plan-form", value.path, "a polygon has three corners or more")
+        yield Fence(_is_out(value, found), corners, value.path)
+    for value in _those_of(fence.get("circles")):
+        center = _place(value.get("circle").get("center"), found)
+        radius = value.get("circle").get("radius").number()
+        if radius is None or not 0.0 < radius < math.inf:
+            found.refuse("plan-form", value.path, "a circle has a radius greater than 0")
+        elif center is not None:
+            out = _is_out(value, found)
+            wide = radius / math.cos(math.pi / _ROUND) if out else radius
+            yield Fence(out, _ring(center, wide), value.path)
+
+
+def _those_of(value: Value) -> Iterator[Value]:
+    return iter(()) if value.raw is None else value.items()
+
+
+def _is_out(value: Value, found: Findings) -> bool:
+    inclusion = value.get("inclusion").raw
+    if not isinstance(inclusion, bool):
+        found.refuse("plan-form", f"{value.path}.inclusion", "it is neither true nor false")
+    return not inclusion
+
+
+def _ring(center: Position, radius: float) -> tuple[Position, ...]:
+    """Corners of a polygon, ``radius`` m from the center."""
+    frame = LocalFrame(center)
+    turns = [math.tau * i / _ROUND for i in range(_ROUND)]
+    places = [frame.to_geodetic(radius * math.cos(t), radius * math.sin(t)) for t in turns]
+    return tuple(Position(math.degrees(lat), math.degrees(lon)) for lat, lon in places)
 
 
 def _simple(items: Value, found: Findings) -> Iterator[Value]:
@@ -75,10 +115,12 @@ def _item(item: Value, found: Findings) -> Item | None:
 
 
 def _home(value: Value, found: Findings) -> Position | None:
-    if value.raw is None:
-        return None
+    return None if value.raw is None else _place(value, found)
+
+
+def _place(value: Value, found: Findings) -> Position | None:
     numbers = [item.number() for item in value.items()]
     if len(numbers) < 2 or numbers[0] is None or numbers[1] is None:
-        found.refuse("position", value.path, "home is latitude, longitude and height")
+        found.refuse("position", value.path, "a place is latitude and longitude")
         return None
     return position(numbers[0], numbers[1], value.path, found)

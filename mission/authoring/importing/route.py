@@ -160,12 +160,22 @@ class Route:
 
 
 @dataclass(frozen=True, slots=True)
+class Fence:
+    """What the vehicle has to stay in, or out of (``out``), at any depth: a polygon."""
+
+    out: bool
+    corners: tuple[Position, ...]
+    where: At
+
+
+@dataclass(frozen=True, slots=True)
 class Source:
     """``local``: its points are metres from an origin that stands elsewhere."""
 
     routes: tuple[Route, ...]
     home: Position | None = None
     local: bool = False
+    fences: tuple[Fence, ...] = ()
 
 
 def along(points: Iterable[Point | None]) -> tuple[Step, ...]:

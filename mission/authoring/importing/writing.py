@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 
 from mission.authoring.importing.route import (
     Circle,
+    Fence,
     Findings,
     Go,
     Home,
@@ -28,8 +29,8 @@ from mission.authoring.importing.route import (
 from mission.legs import Goto, Loiter, Rows, Surface, Yoyo
 from mission.legs.rows import corners
 from mission.legs.waypoints import WITHIN
-from mission.model import HOME, Leg, LegKind, Local, Mission, Position, Setting
-from mission.model.extent import NAME
+from mission.model import HOME, Area, Leg, LegKind, Local, Mission, Position, Setting
+from mission.model.extent import AREAS, CORNERS, NAME
 from mission.model.units import GEARS
 from mission.model.vehicle import Vehicle
 from mission.navigation.geodesy import EARTH, LocalFrame
@@ -62,6 +63,7 @@ def mission_of(
     found: Findings,
 ) -> Mission:
     """Raises ImportErrors with all that is wrong."""
+    areas = tuple(_areas(source.fences, answers.swap, found))
     if answers.swap:
         steps = tuple(_swapped(step, found) for step in steps)
     home = _home(steps, source, answers, found)
@@ -71,7 +73,7 @@ def mission_of(
     written = _Writer(home, answers, vehicle, found)
     legs = tuple(written.legs(steps))
     found.complain()
-    return Mission(slug(name) or "imported", vehicle.name, legs, home)
+    return Mission(slug(name) or "imported", vehicle.name, legs, home, areas=areas)
 
 
 def slug(text: str) -> str:
@@ -148,6 +150,20 @@ def _swapped(step: Step, found: Findings) -> Step:
 def _rounded(place: Position | Local) -> Position:
     assert isinstance(place, Position)
     return Position(round(place.latitude_deg, _DECIMALS), round(place.longitude_deg, _DECIMALS))
+
+
+# --- areas ----------------------------------------------------------------------------------------
+
+
+def _areas(fences: tuple[Fence, ...], swap: bool, found: Findings) -> Iterator[Area]:
+    """Those to keep in first, as missions have them."""
+    if len(fences) > AREAS.most:
+        found.refuse("too-long", fences[AREAS.most].where, AREAS.exceeded, "join some of them")
+    for number, fence in enumerate(sorted(fences, key=lambda fence: fence.out), 1):
+        if len(fence.corners) > CORNERS.most:
+            found.refuse("too-long", fence.where, CORNERS.exceeded, "make two areas of it")
+        corners = [_turned(corner) if swap else corner for corner in fence.corners]
+        yield Area(f"fence_{number}", fence.out, tuple(map(_rounded, corners)))
 
 
 # --- legs -----------------------------------------------------------------------------------------

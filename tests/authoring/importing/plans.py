@@ -65,7 +65,7 @@ def waypoint(place: tuple[float, float], height: float = -5.0, frame: int = 3) -
     return item(16, 0, None, None, None, place[0], place[1], height, frame=frame)
 
 
-def plan(items: list[dict[str, Any]] | None = None) -> bytes:
+def plan(items: list[dict[str, Any]] | None = None, fence: dict[str, Any] | None = None) -> bytes:
     survey = {
         "type": "ComplexItem",
         "complexItemType": "survey",
@@ -74,7 +74,8 @@ def plan(items: list[dict[str, Any]] | None = None) -> bytes:
     return json.dumps(
         {
             "fileType": "Plan",
-            "geoFence": {"circles": [], "polygons": [{"inclusion": True}]},
+            "geoFence": fence or {"circles": [], "polygons": []},
+            "rallyPoints": {"points": [[30.2875, 120.1536, 0]]},
             "mission": {
                 "items": items if items is not None else [waypoint(A), item(201), survey],
                 "plannedHomePosition": [*HOME, 0],

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from itertools import pairwise
 from pathlib import Path
 from random import Random
 
@@ -136,7 +137,7 @@ def test_a_mission_that_the_check_refuses_is_written_and_exits_1(tmp_path: Path)
             "line 3: a LinearRing: an area is no path\n",
         ),
         (".plan", plan(), "mission.items[1]: command 201"),
-        (".plan", plan(), "geoFence.polygons: a fence"),
+        (".plan", plan(), "rallyPoints.points: rally points"),
         (".ma", slocum(), "line 4: num_legs_to_run -1"),
         (".ma", slocum(name="Goto_list"), "line 4: num_legs_to_run -1"),
         (".bhv", moos(), "line 10: behavior BHV_Loiter"),
@@ -150,6 +151,60 @@ def test_what_is_left_out_is_named_by_line_or_path_on_the_terminal_and_in_the_fi
     result = imported(tmp_path, suffix, content, *answers())
     assert f"left out: {where}" in result.output
     assert f"# Left out: {where}" in (tmp_path / "made.yaml").read_text()
+
+
+def fenced(inclusion: object, corners: list[list[object]], radius: float = 400.0) -> bytes:
+    circle = {"circle": {"center": [*HOME], "radius": radius}, "inclusion": True}
+    polygon = {"polygon": corners, "inclusion": inclusion}
+    return plan([waypoint(A)], {"circles": [circle], "polygons": [polygon]})
+
+
+WRECK: list[list[object]] = [[30.2900, 120.1500], [30.2900, 120.1505], [30.2905, 120.1505]]
+
+
+def test_fences_of_a_plan_are_areas_of_the_mission_no_wider_than_they_are(tmp_path: Path) -> None:
+    inside, outside = made(tmp_path, ".plan", fenced(False, WRECK), *answers()).areas
+    assert (inside.out, outside.out) == (False, True)
+    assert outside.corners == tuple(Position(*map(float, map(str, c))) for c in WRECK)
+    assert len(inside.corners) == 24
+    assert [math.hypot(*local(c)) for c in inside.corners] == pytest.approx([400.0] * 24, abs=0.02)
+    lying = made(tmp_path, ".plan", fenced(False, WRECK).replace(b'400.0}, "inclusion": true',
+                 b'400.0}, "inclusion": false'), *answers()).areas  # fmt: skip
+    (edges,) = ([local(c) for c in area.corners] for area in lying if len(area.corners) == 24)
+    near = [math.hypot((a + c) / 2, (b + d) / 2) for (a, b), (c, d) in pairwise(edges)]
+    assert near == pytest.approx([400.0] * 23, abs=0.02), "the circle lies within it"
+
+
+@pytest.mark.parametrize(
+    ("content", "said"),
+    [
+        (fenced(True, WRECK[:2]), "geoFence.polygons[0]: a polygon has three corners or more"),
+        (fenced(True, []), "geoFence.polygons[0]: a polygon has three corners or more"),
+        (fenced("yes", WRECK), "geoFence.polygons[0].inclusion: it is neither true nor false"),
+        (fenced(True, [["a", 1], *WRECK]), "geoFence.polygons[0].polygon[0][0]: not a number"),
+        (fenced(True, [[300, 1], *WRECK]), "geoFence.polygons[0].polygon[0]: latitude 300"),
+        (fenced(True, WRECK, 0.0), "geoFence.circles[0]: a circle has a radius greater than 0"),
+        (fenced(True, WRECK), "a second fence to keep in, beside geoFence.polygons[0]"),
+        (fenced(False, WRECK * 40), "geoFence.polygons[0]: more than 100 corners in an area"),
+        (
+            plan([waypoint(A)], {"polygons": [{"polygon": WRECK, "inclusion": False}] * 33}),
+            "geoFence.polygons[32]: more than 32 areas in a mission",
+        ),
+    ],
+)
+def test_a_fence_that_is_none_is_refused_by_its_path(
+    content: bytes, said: str, tmp_path: Path
+) -> None:
+    result = imported(tmp_path, ".plan", content, *answers())
+    assert result.exit_code == 2
+    assert said in result.output
+
+
+def test_a_way_that_leaves_a_fence_is_refused_by_the_check(tmp_path: Path) -> None:
+    around = {"polygons": [{"polygon": WRECK, "inclusion": True}]}
+    result = imported(tmp_path, ".plan", plan([waypoint(A)], around), *answers())
+    assert result.exit_code == 1
+    assert "keep in fence_1" in result.output
 
 
 def test_a_datum_that_is_wgs_84_is_no_other_and_another_is_refused(tmp_path: Path) -> None:
