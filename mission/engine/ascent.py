@@ -7,10 +7,10 @@ A way that makes the depth fall, from its turn's begin or, where it sank on, fro
 is kept for as long as it does, over two turns of it, and said once more when it no longer does: the
 board may have lost it. One under which a vehicle that sank has just turned round has another turn.
 Behind a push the wrong way a vehicle sinks on before it rises, and letting go then has two turns.
-Full thrust has two when it comes round again, and at once for what sank when it was let go at the
-surface: by a depth that comes 12 s late what one way lifts is seen in the turn of the next. Where
-no depth tells, it has one more each time it comes round, up to four: what is heavy sinks in the
-turns of the others.
+Full thrust has two when it comes round again: by a depth that comes 12 s late what one way lifts is
+seen in the turn of the next. Where no depth tells, it has one more each time it comes round, up to
+four: what is heavy sinks in the turns of the others. What sank when it was let go at the surface
+has the two, or the four, at once.
 An unknown depth counts as not falling. Where the attitude is doubtful too, any push may lead down:
 each time the vehicle is let go that lasts twice as long, up to 160 s, and then 10 s again, since
 what is heavy needs the pushes. A depth that was known in the turn of full thrust and is not at its
@@ -103,8 +103,9 @@ class Ascent:
         self.way: Way = ways[self._at]
         self._push = UPWARD if UPWARD in ways else Order.SURFACE  # that has two turns later
         self._pushes = int(self.way == self._push)
-        if sank and depth is not None and self._pushes:
-            self._turn, self._longest = 2.0 * TURN, 2.0 * TURN + WORD
+        if sank and self._pushes:
+            self._pushes = BLIND
+            self._begin_turn(now, depth, TURN if depth is None else 2.0 * TURN)
         self._overturned_at = now - OVERTURNED_PAUSE
 
     @property

@@ -356,12 +356,16 @@ def test_in_its_own_turn_each_w_of_an_operator_leaves():
     assert sent(world) == [(t, Order.SURFACE) for t in (1.0, 2.0, 3.0)]
 
 
-def test_what_sank_when_it_was_let_go_is_held_by_a_depth_that_comes_late():
-    """Full thrust has two turns at once: in one a depth that is 12 s late shows no rise."""
-    for sank, turn in ((False, 10.0), (True, 20.0)):
-        ascent = Ascent(0.0, 3.0, "why", WAYS, upward=True, sank=sank)
-        due = next(t for t in range(60) if ascent.act(float(t), 3.0, False))
-        assert due == turn
+@pytest.mark.parametrize(
+    ("sank", "depth", "turn"),
+    [(False, 3.0, 10.0), (True, 3.0, 20.0), (False, None, 10.0), (True, None, 40.0)],
+)
+def test_what_sank_when_it_was_let_go_has_long_turns_of_full_thrust_at_once(
+    sank: bool, depth: float | None, turn: float
+):
+    """In one a depth that is 12 s late shows no rise, and fixes have no time to settle."""
+    ascent = Ascent(0.0, depth, "why", WAYS, upward=True, sank=sank)
+    assert next(t for t in range(60) if ascent.act(float(t), depth, False)) == turn
 
 
 @pytest.mark.parametrize("again", [(), (0.3,), (0.3, 0.3, 0.3)])

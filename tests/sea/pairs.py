@@ -299,7 +299,7 @@ MEET: tuple[tuple[str, str, type, str, float, str, tuple[Law, ...]], ...] = (
     ("noisy-half-rate-heavy-w", TURNS, Board, "W", -5.0, "noisy sliders", DEEPER),
     ("drifting-heavy-w", TURNS, Board, "W", -4.0, "drifts stick", BLIND),
     ("echo-possessed-killed", TURNS, Echoing, "W", 8.0, "possessed killed", FLOATS),
-    ("spliced-late-gappy-heavy", TURNS, Splicing, "W", -4.0, "late gaps", DEEPER),
+    ("spliced-late-gappy-heavy", TURNS, Splicing, "W", -4.0, "late gaps", BLIND),  # it leaps
     ("over-late-killed", "let go it rises", Board, "W", 8.0, "over late killed", OVER),
     ("yes-man-term-sliders-heavy", AGAIN, Board, "X", -4.0, "yes sliders term", DEEPER),
     ("full-flapping-heavy-w", AGAIN, Board, "W", -4.0, "full flaps killed", DEEPER),
