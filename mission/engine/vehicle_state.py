@@ -317,7 +317,7 @@ class VehicleState:
         told = self.telemetry
         silent = told is None or self.now - told.t > self._stale_after
         over, frozen = self.overturned, self.health("attitude").reason == "frozen"
-        doubtful = self.attitude.doubtful or frozen or (over and silent)
+        doubtful = self.attitude.doubtful(self.now) or frozen or (over and silent)
         return self.now, self.moving_depth, over and not silent, doubtful
 
     @property

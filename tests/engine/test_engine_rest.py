@@ -276,10 +276,11 @@ def test_a_mission_goes_on_at_any_depth():
 
 
 def attitude(*reports: tuple[float | None, float | None]) -> Attitude:
+    """By reports 2 s apart."""
     seen = Attitude()
-    for roll, pitch in reports:
+    for i, (roll, pitch) in enumerate(reports):
         angles = [None if a is None else math.radians(a) for a in (roll, pitch)]
-        seen = seen.after(Telemetry(0.0, roll=angles[0], pitch=angles[1]))
+        seen = seen.after(Telemetry(2.0 * i, roll=angles[0], pitch=angles[1]))
     return seen
 
 
@@ -313,7 +314,10 @@ def test_upside_down_is_what_three_reports_that_change_agree_on(reports, over: b
         ([(170.0, 1.0)], True),  # not yet
         ([(170.0, 1.0), (171.0, 2.0), (-178.0, 1.0)], False),  # it is
         ([(119.0, 1.0)], False),
-        ([(900.0, 0.0), (1.0, 2.0)], False),
+        ([(900.0, 0.0), (1.0, 2.0)], True),  # what says no angle tells nothing for a minute
+        ([(900.0, 0.0), (None, None), (1.0, 2.0)], True),
+        ([(900.0, 0.0), *[(1.0 + i, 2.0) for i in range(30)]], False),
+        ([(900.0, 0.0), (170.0, 1.0), (171.0, 2.0), (-178.0, 1.0)], False),  # it is
         ([(None, None)] * 3, False),  # a vehicle that reports none
         ([(1.0, 2.0), (None, None)], True),  # it did
         ([(170.0, 1.0), (None, None)], True),
@@ -322,7 +326,7 @@ def test_upside_down_is_what_three_reports_that_change_agree_on(reports, over: b
     ],
 )
 def test_it_may_be_upside_down_where_a_report_says_so_that_is_not_believed(reports, doubtful: bool):
-    assert attitude(*reports).doubtful is doubtful
+    assert attitude(*reports).doubtful(2.0 * len(reports)) is doubtful
 
 
 def test_upside_down_rolls_over_a_mission_and_begins_by_letting_go():

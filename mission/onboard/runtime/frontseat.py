@@ -21,7 +21,8 @@ are sent once more.
 
 The U12 of an ascent is said again by itself: once behind its answer, and for as long as there is
 none, until something else is commanded. A board that is busy with the X0 before it hears none of
-three tries, and an X0 that is answered twice answers for both.
+three tries, and an X0 that is answered twice answers for both. What is passed on leaves meanwhile,
+so that the board may be busy with that: these tries are longer.
 
 What does not live here: what the commands mean and the R8 consequence of three lost Z (engine),
 which relay is next (relays), frames (protocol.vehicles), bytes on the port (links).
@@ -44,6 +45,7 @@ from protocol.vehicles.auv import change
 ANSWER_S = 0.3
 TRIES = 3
 AGAIN_S = 1.5  # behind the tries of an ascent's U12, until it is said again
+LONGER_S = 0.5  # for an answer then: three tries outlast a board that is busy for 0.9 s
 HELD_S = 2.0  # for which unanswered frames hold relays back: three tries of two frames, and some
 GAP_S = 0.02
 BITS_PER_BYTE = 10  # 8N1
@@ -212,8 +214,7 @@ class Frontseat:
         if waiting and now >= waiting.deadline and waiting.tries >= TRIES:
             self._outstanding = self._becoming = None
             self._say_again(waiting.frame, now)
-            lost = Outcome(Result.LOST, waiting.frame.data, waiting.frame.command)
-            return [], [] if waiting.frame.again else [lost]
+            return [], [Outcome(Result.LOST, waiting.frame.data, waiting.frame.command)]
         return (self.next_out(now) if now >= self._free else []), []
 
     def next_out(self, now: float) -> list[Tx]:
@@ -234,8 +235,7 @@ class Frontseat:
     @property
     def _passes_on_at(self) -> float:
         """From when on what is passed on may leave, if the line is free."""
-        waits = self._outstanding or self._again
-        return self._row_from + HELD_S if waits else -math.inf
+        return -math.inf if self._outstanding is None else self._row_from + HELD_S
 
     def _pass_on(self, now: float) -> list[Tx]:
         word = self._outputs.take(now) or (self._relays.take() if self._relays else None)
@@ -268,7 +268,8 @@ class Frontseat:
         if now - self._sent_at > 2 * ANSWER_S:
             self._row_from = now
         self._sent_at = now
-        self._outstanding = _Outstanding(frame, tries, now + ANSWER_S)
+        answer = LONGER_S if frame.again else ANSWER_S
+        self._outstanding = _Outstanding(frame, tries, now + answer)
         again = f" (try {tries} of {TRIES})" if tries > 1 else ""
         return self._transmit(frame.data, frame.reason + again, now)
 

@@ -130,11 +130,14 @@ def blind_from_its_begin(settings: Settings, events: Sequence[Event]) -> bool:
 
 
 def overturned_untold(settings: Settings, events: Sequence[Event]) -> bool:
-    """It lies upside down in the end, and no report has come since: nothing tells that two of the
-    three ways, which take turns (R7), push it down."""
+    """It lies upside down in the end, and no report has come since, or its roll has stood since
+    before that and no depth tells either: nothing says that two of the three ways, which take turns
+    (R7), push it down. It may as well be heavy, and let go longer would be lost then."""
     told = max((e.t for e in events if isinstance(e, Told)), default=-math.inf)
-    over = [f for f in settings.faults if f.name == "capsized" and fault_ends(f) >= NEVER]
-    return any(told < f.begin for f in over)
+    lasting = [f for f in settings.faults if fault_ends(f) >= NEVER]
+    blind = any(f.name.startswith("depth_") and f.name[6:] not in _MOVES_STILL for f in lasting)
+    stuck = min((f.begin for f in lasting if blind and f.name == "roll_stuck"), default=math.inf)
+    return any(f.name == "capsized" and (told < f.begin or stuck < f.begin) for f in lasting)
 
 
 def dives_unseen(settings: Settings, t: float) -> bool:

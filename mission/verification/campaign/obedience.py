@@ -1,8 +1,9 @@
 """Orders must leave in time: X and W within 100 ms of being known (R7), a set within 5 s (R12).
 
-X and W are looked for in whatever came while the program ran, whatever stands around them. The
-sets are those of the Steps: a leg's, both halves of an ascent's. What a later order, another set,
-the stick or the program's death overtook in time is excused.
+X and W are looked for in whatever came while the program ran, whatever stands around them; in the
+turn of another way of an ascent W leaves once. The sets are those of the Steps: a leg's, both
+halves of an ascent's. What a later order, another set, the stick or the program's death overtook in
+time is excused.
 
 What does not live here: who else asked for a byte (audit).
 """
@@ -13,9 +14,9 @@ import re
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
-from mission.model import MANUAL_DRIVING, Step, Tx
+from mission.model import MANUAL_DRIVING, SURFACING, Step, Tx
 from mission.onboard.runtime.runtime import VEHICLE
-from mission.verification.campaign.audit import alike, command_of
+from mission.verification.campaign.audit import alike, command_of, commands_of
 from mission.verification.rig.acts import Act
 from mission.verification.rig.trace import Done, Event, Said
 from protocol.messages import Order, Setpoint
@@ -49,17 +50,20 @@ def orders(
 ) -> Iterator[Ignored]:
     """``means``: the words of X and W that bytes to the vehicle are."""
     waits: tuple[Said, bytes] | None = None
-    lives = True
+    lives, heard = True, False  # in the turn of another way
     for event in events:
         if waits is not None and event.t > waits[0].t + WITHIN + _SAME:
             said, frame = waits
-            yield Ignored(said.t, f"{frame!r} of {said.address or said.link}: nothing left")
+            if not (heard and frame == EMERGENCIES[Order.SURFACE]):
+                yield Ignored(said.t, f"{frame!r} of {said.address or said.link}: nothing left")
             waits = None
         match event:
+            case Step():
+                heard = _heard(event, heard)
             case Said(data=data) if lives and (found := _ORDER.findall(data)):
                 waits = (event, found[-1])
             case Done(act=Act.KILL | Act.STALL):
-                waits = None
+                waits, heard = None, False
                 lives = event.act is not Act.KILL and lives
             case Done(act=Act.BOOT):
                 lives = True
@@ -67,6 +71,13 @@ def orders(
                 waits = None if waits[1] in means(data) else waits
             case _:
                 pass
+
+
+def _heard(step: Step, before: bool) -> bool:
+    """Whether W has left in the turn of another way, behind a step."""
+    if commands := commands_of(step):
+        return commands[0] is Order.SURFACE and len(commands) > 1
+    return before and (not step.entered or step.entered[-1] == SURFACING)
 
 
 def _sets(events: Sequence[Event], dialect: str) -> Iterator[Ignored]:

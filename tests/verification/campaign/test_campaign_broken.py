@@ -361,6 +361,48 @@ def test_an_ascent_that_lay_upside_down_has_a_round_behind_that() -> None:
     assert judged(replace(plan, settings=replace(plan.settings, faults=faults))) == set()
 
 
+def said(t: float, word: bytes) -> Disturbance:
+    return Disturbance(t, Act.SAY, word, TOPSIDE, "boat")
+
+
+def test_of_w_that_is_said_each_second_one_leaves_in_the_turn_of_another_way() -> None:
+    """As flight 811 of seed 4101."""
+    plan = stage("heavy_for_ever", 1)
+    heavy = FaultEvent("heavy", 41.0, 1e6, 45.0)
+    words = tuple(said(45.0 + 0.97 * i, b"@ZAWF$") for i in range(30))
+    plan = replace(plan, profile="as-built", settings=replace(plan.settings, faults=(heavy,)))
+    assert judged(replace(plan, incidents=(Drawn("w again", 0.0, words),))) == set()
+
+
+def test_an_altitude_that_stands_while_the_vehicle_rests_is_known_only_later() -> None:
+    """As flight 2402 of seed 4101: the leg above the bottom goes on behind the stick."""
+    plan = stage("blind_above_the_bottom", 0)
+    stick = [said(76.4 + 0.2 * i, b"@MMF0$") for i in range(76)]
+    frozen = (FaultEvent("altitude_frozen", 88.9, 1e6),)
+    on = Drawn("stick", 0.0, (*stick, said(120.8, b"@AA$")))
+    settings = replace(plan.settings, faults=frozen)
+    assert judged(replace(plan, settings=settings, incidents=(on,))) == set()
+
+
+@pytest.mark.parametrize(
+    "attitude",
+    [
+        FaultEvent("roll_stuck", 17.8, 1e6, 0.31),  # nothing tells: the law knows
+        FaultEvent("attitude_off", 71.6, 1e6, 79.511),  # it says what is no angle now and then
+    ],
+    ids=lambda fault: fault.name,
+)
+def test_upside_down_without_a_depth_beside_an_attitude_that_lies(attitude: FaultEvent) -> None:
+    """As flights 17249 and 18855 of seed 4101."""
+    plan = stage("capsized_blind", 0)
+    faults = (
+        FaultEvent("capsized", 42.8, 1e6),
+        FaultEvent("depth_full_scale", 46.3, 1e6),
+        attitude,
+    )
+    assert judged(replace(plan, settings=replace(plan.settings, faults=faults))) == set()
+
+
 def test_a_push_that_led_deeper_upside_down_is_seen_when_it_comes_again() -> None:
     """Where D12 does not bring it up before."""
     with broken("way D12"), broken("pushed down again"):
