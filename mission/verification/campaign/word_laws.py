@@ -288,12 +288,13 @@ def _one_commands(story: Story) -> Iterator[Violation]:
     """By what was acknowledged to whom; X and W hand the command over. Who says nothing that is a
     frame is silent. What counts is when a word was said: a relay is answered later."""
     commander, heard = "", -math.inf
-    free: dict[str, float] = {}  # when who does not command last said a word that may take over
+    free: dict[str, float] = {}  # when who does not command last said a word that it may
     streams: defaultdict[str, TopsideCodec] = defaultdict(TopsideCodec)
     by_modem: dict[bytes, float] = {}  # answers, and when they were last given there
     for event in story.trial.events:
         if isinstance(event, Said):
             if event.link == TOPSIDE and _ORDER.search(event.data):
+                free[commander] = heard  # until now: what it has asked for is answered behind that
                 commander = event.address
             if event.link == MODEM:
                 commander = ""  # who commands over it is not read here

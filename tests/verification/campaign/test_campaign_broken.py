@@ -337,6 +337,15 @@ def test_an_answer_to_a_copy_of_what_came_by_modem_hands_nothing_over() -> None:
     assert judged(replace(plan, incidents=(Drawn("modem_stick", 0.0, tuple(acts)),))) == set()
 
 
+def test_what_a_commander_asked_for_is_answered_behind_the_w_of_another_boat() -> None:
+    """As flight 13430 of seed 4202: @RI, and 50 ms later the command is the other's."""
+    plan = stage("modem_stick", 0)
+    acts = [Disturbance(130.0, Act.JOIN, b"", TOPSIDE, boat) for boat in ("one", "two")]
+    acts += [Disturbance(135.0 + 0.02 * i, Act.SAY, b"@RI$", TOPSIDE, "one") for i in range(340)]
+    acts.append(Disturbance(141.75, Act.SAY, b"@ZAWF$", TOPSIDE, "two"))
+    assert judged(replace(plan, incidents=(Drawn("modem_stick", 0.0, tuple(acts)),))) == set()
+
+
 def test_a_port_that_clogs_at_the_surface_lets_an_orderly_end_go_what_is_heavy() -> None:
     """As flight 9356 of seed 3101."""
     plan = stage("ended", 0)
