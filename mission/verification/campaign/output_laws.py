@@ -23,7 +23,7 @@ from mission.model.vehicle import Output
 from mission.onboard.runtime.runtime import VEHICLE
 from mission.verification.campaign.depth_laws import DEPTH_FAULTS
 from mission.verification.campaign.laws import Violation
-from mission.verification.campaign.story import Stay, Story
+from mission.verification.campaign.story import SAME, Stay, Story
 from mission.verification.campaign.surface_laws import UNLAWFUL
 from mission.verification.campaign.word_laws import UNSENT
 from protocol.framing import Frame
@@ -130,7 +130,7 @@ def _in_vain(story: Story, t: float) -> bool:
     """An ascent has lasted for the time, and the true depth has not fallen by more than can be
     read wrongly, or nobody could know (R7)."""
     since = t - WITHIN
-    climbs = all(s.ascends for s in story.stays if s.begin < t and s.end > since)
+    climbs = all(s.ascends for s in story.stays if s.begin < t and s.end > since + SAME)
     unknown = story.faulty(DEPTH_FAULTS, since, t)
     return climbs and (unknown or story.depth(since) - story.depth(t) < GAINS + _ERROR)
 
