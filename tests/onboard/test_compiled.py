@@ -293,6 +293,7 @@ def test_a_compiled_campaign_has_the_same_verdicts() -> None:
 
 
 @pytest.mark.proof
+@pytest.mark.minutes
 def test_every_cell_gives_the_same_when_compiled() -> None:
     pure, quick = both("exhaustive", str(ROOT / "missions" / "loiter.yaml"), "--json")
     assert pure == quick

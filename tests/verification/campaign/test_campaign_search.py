@@ -126,6 +126,7 @@ def test_a_row_comes_before_those_that_act_by_nothing_new() -> None:
 
 
 @pytest.mark.proof
+@pytest.mark.minutes
 def test_each_of_the_first_rows_acts_by_a_rule_that_none_before_it_acted_by() -> None:
     before: set[str] = set()
     for row in in_order(ROWS)[:6]:
