@@ -64,6 +64,7 @@ def _fences(fence: Value, found: Findings) -> Iterator[Fence]:
 
 
 def _those_of(value: Value) -> Iterator[Value]:
+    """The items of a list that may be missing."""
     return iter(()) if value.raw is None else value.items()
 
 

@@ -68,13 +68,12 @@ def _too_deep(story: Story, stay: Stay, held: Setpoint, assumed: float) -> Itera
 
 
 def _gone(story: Story, t: float) -> bool:
-    """The altimeter alone is at fault, and has been for as long as that can be unknown; nobody has
-    switched its power meanwhile, which ends a silence. At rest an altitude may stand."""
+    """The altimeter alone is at fault, and has been in legs for as long as that can be unknown, for
+    at rest an altitude may stand; nobody has switched its power meanwhile, which ends a silence."""
     faults = story.faults(_SENSORS, t - _KNOWN, t)
     if len(faults) != 1 or faults[0].name not in _GONE:
         return False
     begin = faults[0].begin
-    flown = [s for s in story.stays if s.state.startswith(AUTONOMOUS) and s.end > begin]
-    if sum(min(s.end, t) - max(s.begin, begin) for s in flown if s.begin < t) < _KNOWN:
-        return False
-    return not story.is_switched(begin, t) and begin + _KNOWN < t < fault_ends(faults[0])
+    legs = (s for s in story.stays if s.state.startswith(AUTONOMOUS))
+    flown = sum(max(min(s.end, t) - max(s.begin, begin), 0.0) for s in legs)
+    return not story.is_switched(begin, t) and flown > _KNOWN and t < fault_ends(faults[0])
