@@ -3,8 +3,8 @@
     idle, waiting   over 2 m, and 0.5 m deeper than it has been since it came to rest, in reports
                     over at least a second
     surfaced        the same over 1 m: that it sinks where it was let go is known sooner there
-    stopped         over 2 m, and not 0.5 m less deep than 20 s before: X is also given for a diver,
-                    who is left to the buoyancy first
+    stopped         over 2 m, and 20 s since X or since it was last another 0.5 m less deep: X is
+                    also given for a diver, who is left to the buoyancy first
 
     anywhere        2 m deeper than it has been, by a depth whose zero alone is contradicted and
                     which moves as the vehicle does: it leapt, and goes down
@@ -26,7 +26,7 @@ DEEP = 2.0  # m
 DEEP_AGAIN = 1.0  # m, in surfaced
 ENDED, UNSEEN = 8.0, 60.0  # s without a fix, of the first that nobody sees by a depth (R7)
 SUNK = 0.5  # m deeper than it has been: five sigmas of a depth
-RISEN = 0.5  # m in RISE_TIME, or it does not rise
+RISEN = 0.5  # m since it last rose as far, within RISE_TIME, or it does not rise
 RISE_TIME = 20.0  # s
 _LASTS = 1.0  # s, and two reports
 _SMOOTH = 6.0  # s, of the depth that the deepest is compared with
@@ -120,9 +120,8 @@ class Rest:
     def stays_down(self) -> str:
         """Why it is taken to stay deep, in words; "" if it is not. To be asked with every
         report."""
-        if self._t - self._since < RISE_TIME:
-            return ""
-        risen, self._from, self._since = self._from - self._depth, self._depth, self._t
-        if risen >= RISEN or not self._depth > DEEP:
+        if self._depth <= self._from - RISEN:  # looked at each RISE_TIME, a rise hides as long
+            self._from, self._since = self._depth, self._t
+        if self._t - self._since < RISE_TIME or not self._depth > DEEP:
             return ""
         return f"it does not rise though everything is stopped, {self._depth:.1f} m deep"

@@ -132,6 +132,30 @@ def test_a_stop_that_lets_it_rise_is_left_alone():
     assert UPWARD not in world.commands()
 
 
+@pytest.mark.parametrize("rises_for", range(4, 30, 2))
+def test_a_stop_counts_twenty_seconds_from_the_last_rise_whenever_that_was(rises_for: int):
+    world = at_rest(STOPPED, 12.0)
+    for _ in range(rises_for):
+        world.depth -= 0.2
+        world.wait(1.0)
+    turned = world.t
+    while world.state == STOPPED:
+        world.depth += 0.05  # slower than the limit of an unexplained descent
+        world.wait(1.0)
+    assert 15.0 <= world.t - turned <= 24.0
+    assert UPWARD in world.commands()
+
+
+@pytest.mark.parametrize("noise", [0.0, 0.1, 0.2])
+def test_a_stop_leaves_alone_what_rises_slowly_by_a_noisy_depth(noise: float):
+    world = at_rest(STOPPED, 14.0)
+    for second in range(300):
+        world.depth = 14.0 - 0.04 * second + noise * math.sin(2.7 * second)
+        world.wait(1.0)
+    assert world.state == STOPPED
+    assert UPWARD not in world.commands()
+
+
 def test_it_is_brought_up_as_often_as_it_sinks_and_then_held_up():
     world = at_rest(SURFACED)
     for _ in range(3):
