@@ -25,7 +25,7 @@ coverage: $(READY)      ## the same tests, with the branches that those of singl
 	$(BIN)/pytest -n 4 --dist worksteal --cov --cov-report=term:skip-covered
 
 browser: $(READY)       ## the cockpit driven in a real Chromium; skipped where none is installed
-	$(BIN)/pytest -m browser -rs
+	$(BIN)/pytest -m browser -rs -n 2 --dist worksteal
 
 proofs: $(READY)        ## the long proofs: flights, states crossed with events, broken rules, recordings; ONLY="proof and not minutes"
 	$(BIN)/pytest -m "$(or $(ONLY),proof)" -n 4 --dist loadgroup --no-loadscope-reorder $$(grep -rl --include='*.py' mark.proof tests | grep -v ^tests/sea)

@@ -246,22 +246,22 @@ class Frontseat:
 
     def next_timer(self) -> float | None:
         """When ``poll`` has something to do."""
-        waiting = self._outstanding
+        waiting, first = self._outstanding, math.inf
         others = max(self._free, self._passes_on_at)
-        due = [others] if self._relays.waiting or (waiting is None and self._urgent) else []
+        if self._relays.waiting or (waiting is None and self._urgent):
+            first = others
         if (said := self._outputs.next_timer()) is not None:
-            due.append(max(others, said))
+            first = min(first, max(others, said))
         if self._queue and self._late_at is not None:
-            due.append(self._late_at)
+            first = min(first, self._late_at)
         if waiting:
             # The last wait ends by the clock alone; another try needs the line.
             last = waiting.tries >= TRIES
-            due.append(waiting.deadline if last else max(self._free, waiting.deadline))
+            first = min(first, waiting.deadline if last else max(self._free, waiting.deadline))
         elif self._again is not None:
-            due.append(max(self._free, self._again[0]))
+            first = min(first, max(self._free, self._again[0]))
         elif self._queue:
-            due.append(max([self._free, *(owed.until for owed in self._owed)]))
-        first = min(due, default=math.inf)
+            first = min(first, max([self._free, *(owed.until for owed in self._owed)]))
         return first if first < math.inf else None
 
     def _send(self, frame: _Frame, tries: int, now: float) -> Tx:

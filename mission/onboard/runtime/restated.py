@@ -53,4 +53,4 @@ class Restated:
         return word.data, word.reason + again
 
     def next_timer(self) -> float | None:
-        return min((word.due for word in self.words.values()), default=None)
+        return min(word.due for word in self.words.values()) if self.words else None
