@@ -1,9 +1,9 @@
 """Orders must leave in time: X and W within 100 ms of being known (R7), a set within 5 s (R12).
 
 X and W are looked for in whatever came while the program ran, whatever stands around them; in the
-turn of another way of an ascent W leaves once. The sets are those of the Steps: a leg's, both
-halves of an ascent's. What a later order, another set, the stick or the program's death overtook in
-time is excused.
+turn of another way of an ascent W leaves once, and none behind an ascent that has ended. The sets
+are those of the Steps: a leg's, both halves of an ascent's. What a later order, another set, the
+stick or the program's death overtook in time is excused.
 
 What does not live here: who else asked for a byte (audit).
 """
@@ -14,7 +14,7 @@ import re
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
-from mission.model import MANUAL_DRIVING, SURFACING, Step, Tx
+from mission.model import MANUAL_DRIVING, SURFACED, SURFACING, Step, Tx
 from mission.onboard.runtime.runtime import VEHICLE
 from mission.verification.campaign.audit import alike, command_of, commands_of
 from mission.verification.rig.acts import Act
@@ -60,6 +60,9 @@ def orders(
         match event:
             case Step():
                 heard = _heard(event, heard)
+                up = event.entered[-1:] == (SURFACED,)
+                if up and waits is not None and waits[1] == EMERGENCIES[Order.SURFACE]:
+                    waits = None  # the surface is proved, and what is there is stopped
             case Said(data=data) if lives and (found := _ORDER.findall(data)):
                 waits = (event, found[-1])
             case Done(act=Act.KILL | Act.STALL):

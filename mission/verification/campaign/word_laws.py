@@ -34,6 +34,7 @@ from mission.model import (
     STOPPED,
     SURFACED,
     SURFACING,
+    Step,
     Tx,
 )
 from mission.model.regions import EMERGENCY, MANUAL
@@ -285,9 +286,11 @@ def _lets_go(story: Story, stay: Stay) -> Iterator[Violation]:
 
 
 def _one_commands(story: Story) -> Iterator[Violation]:
-    """By what was acknowledged to whom; X and W hand the command over. Who says nothing that is a
-    frame is silent. What counts is when a word was said: a relay is answered later."""
+    """By what was acknowledged to whom; X and W hand the command over, and so does an M, which is
+    not acknowledged, by the stick that it moves. Who says nothing that is a frame is silent. What
+    counts is when a word was said: a relay is answered later."""
     commander, heard = "", -math.inf
+    stick: Said | None = None  # the last M of who does not command, and may
     free: dict[str, float] = {}  # when who does not command last said a word that it may
     streams: defaultdict[str, TopsideCodec] = defaultdict(TopsideCodec)
     by_modem: dict[bytes, float] = {}  # answers, and when they were last given there
@@ -303,6 +306,10 @@ def _one_commands(story: Story) -> Iterator[Violation]:
                     heard = event.t
                 elif event.t - heard >= _COMMANDS:
                     free[event.address] = event.t
+                    stick = event if _M.search(event.data) else stick
+        elif isinstance(event, Step):
+            if event.entered[-1:] == (MANUAL_DRIVING,) and stick and stick.t > event.t - SAME:
+                commander, heard, stick = stick.address, stick.t, None
         elif isinstance(event, Tx) and (accepted := _ACCEPTED.search(event.data)):
             if event.link == MODEM:
                 by_modem[accepted[0]] = event.t

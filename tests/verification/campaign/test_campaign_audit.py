@@ -13,6 +13,7 @@ from mission.model import (
     MANUAL_DRIVING,
     MANUAL_WAITING,
     STOPPED,
+    SURFACED,
     SURFACING,
     Evaluation,
     Step,
@@ -191,6 +192,14 @@ def test_an_order_in_whatever_came_is_on_its_way_within_100_ms(data: bytes, link
     assert held_back(Said(5.0, link, "", data), sent(5.09, b"@ZAX0$")) == 0
     assert held_back(Said(5.0, link, "", data), sent(5.11, b"@ZAX0$")) == 1
     assert held_back(Said(5.0, link, "", data), Done(5.05, Act.KILL)) == 0
+
+
+def test_no_w_leaves_behind_an_ascent_that_has_ended() -> None:
+    """As flight 9558 of seed 4404: the surface was proved 3 ms behind it, in the gap of the line."""
+    up = step(5.003, "everything stopped: the surface is reached", entered=SURFACED)
+    assert held_back(said(5.0, b"@ZAWF$"), up, sent(5.02, b"@ZAX0$")) == 0
+    assert held_back(up, said(5.01, b"@ZAWF$"), sent(5.02, b"@ZAX0$")) == 1
+    assert held_back(said(5.0, b"@ZAX0$"), up) == 1
 
 
 def test_every_frame_of_a_set_leaves_within_5_s() -> None:

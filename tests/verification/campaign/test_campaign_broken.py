@@ -340,6 +340,20 @@ def test_an_answer_to_a_copy_of_what_came_by_modem_hands_nothing_over() -> None:
     assert judged(replace(plan, incidents=(Drawn("modem_stick", 0.0, tuple(acts)),))) == set()
 
 
+def test_an_m_hands_the_command_over_by_the_stick_that_it_moves() -> None:
+    """As flight 19472 of seed 4404: it is not acknowledged, and what follows is answered."""
+    plan = stage("modem_stick", 0)
+    acts = [Disturbance(110.0, Act.JOIN, b"", TOPSIDE, boat) for boat in ("one", "two")]
+    acts += [
+        Disturbance(112.0, Act.SAY, b"@NSOOOOOO$", TOPSIDE, "one"),
+        Disturbance(130.0, Act.SAY, b"@MMF5$", TOPSIDE, "two"),
+        Disturbance(139.0, Act.SAY, b"@SP,,18,17,11,$", TOPSIDE, "one"),
+        Disturbance(139.5, Act.SAY, b"@MMF5$", TOPSIDE, "two"),
+        Disturbance(145.0, Act.SAY, b"@NSOOOOOO$", TOPSIDE, "two"),
+    ]
+    assert judged(replace(plan, incidents=(Drawn("modem_stick", 0.0, tuple(acts)),))) == set()
+
+
 def test_what_a_commander_asked_for_is_answered_behind_the_w_of_another_boat() -> None:
     """As flight 13430 of seed 4202: @RI, and 50 ms later the command is the other's."""
     plan = stage("modem_stick", 0)
