@@ -100,7 +100,7 @@ def translated(sources: list[Path]) -> list[Any]:
 
     extensions = mypycify(
         [*CHECKING, *map(str, sources)],
-        opt_level="1",
+        opt_level="2",
         debug_level="0",
         multi_file=True,
         group_name="auvmission",

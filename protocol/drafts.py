@@ -1,25 +1,20 @@
-"""Frozen values, made quickly: filled as a draft, which then becomes what it was a draft of.
+"""Drafts of frozen values: filled, a draft becomes what it was a draft of by a change of its class.
 
-Setting the slots of a frozen class costs more than twice as much (tests/bench/bench_tricks.py), and
-noise has a fault for every few bytes. Compiled code cannot swap an object's class, so this is left
-to the interpreter (``mission.model.compiled``).
+Setting the slots of a frozen class costs two to four times as much (tests/bench/bench_tricks.py);
+a log has thousands of reports, and noise a fault for every few bytes. Compiled code cannot swap the
+class of an object of its own, so these are left to the interpreter (``mission.model.compiled``).
 
-What does not live here: Telemetry, for which ``protocol.vehicles.sd_stream`` does the same.
+What does not live here: what fills them (``protocol.framing``, ``protocol.vehicles.sd_stream``).
 """
 
 from __future__ import annotations
 
-from typing import Any, cast
-
-from protocol.messages import FrameFault
+from protocol.messages import FrameFault, Telemetry
 
 
-class _Draft:
+class FaultDraft:
     __slots__ = FrameFault.__slots__
 
 
-def fault(offset: int, kind: str, length: int) -> FrameFault:
-    draft: Any = _Draft()
-    draft.offset, draft.kind, draft.length = offset, kind, length
-    draft.__class__ = FrameFault
-    return cast("FrameFault", draft)
+class TelemetryDraft:
+    __slots__ = Telemetry.__slots__

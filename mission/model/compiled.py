@@ -2,8 +2,8 @@
 
 Compiled code comes from the same sources and gives the same bytes; it is only quicker. The list has
 what an hour of flight spends its time in, and what a campaign's laws do. Left to the interpreter:
-what swaps an object's class (``protocol.drafts``, ``protocol.vehicles.sd_stream``), what other
-classes inherit from (frames, codecs), and whatever runs once a flight.
+what swaps its objects' class (``protocol.drafts``), what other classes inherit from (frames,
+codecs), and whatever runs once a flight.
 
 What does not live here: how they are compiled (hatch_build.py).
 """
@@ -30,12 +30,14 @@ MODULES = (
     "links.simulated.link",
     "links.simulated.plant",
     "links.simulated.schedule",
+    "links.simulated.sea",
     "links.simulated.sensors",
     "links.simulated.settings",
     "links.simulated.wrong",
     "mission.analysis.smoothing",
     "mission.engine.ascent",
     "mission.engine.attitude",
+    "mission.engine.auxiliary",
     "mission.engine.bounds",
     "mission.engine.clearance",
     "mission.engine.core",
@@ -45,6 +47,7 @@ MODULES = (
     "mission.engine.limits",
     "mission.engine.memory",
     "mission.engine.monitor",
+    "mission.engine.outputs",
     "mission.engine.readings",
     "mission.engine.rest",
     "mission.engine.restart",
@@ -53,6 +56,7 @@ MODULES = (
     "mission.engine.variables",
     "mission.engine.vehicle_state",
     "mission.engine.watch",
+    "mission.engine.words",
     "mission.model.vehicle",
     "mission.navigation.belief",
     "mission.navigation.distribution",
@@ -68,6 +72,8 @@ MODULES = (
     "mission.onboard.runtime.operator_server",
     "mission.onboard.runtime.receivers",
     "mission.onboard.runtime.relays",
+    "mission.onboard.runtime.restated",
+    "mission.onboard.runtime.resume_marker",
     "mission.onboard.runtime.runtime",
     "mission.onboard.runtime.situation",
     "mission.verification.campaign.audit",
@@ -89,6 +95,7 @@ MODULES = (
     "protocol.nmea",
     "protocol.nmea_fields",
     "protocol.topside",
+    "protocol.vehicles.sd_stream",
 )
 _ROOT = Path(mission.__file__).resolve().parents[1]
 

@@ -13,25 +13,25 @@ from __future__ import annotations
 import math
 import struct
 from collections.abc import Callable
-from typing import Any
+from typing import Any, TypeAlias
 
 from protocol.checksum import stm32_checker
-from protocol.drafts import fault
-from protocol.framing import Stretch
+from protocol.drafts import TelemetryDraft
+from protocol.framing import Stretch, fault
 from protocol.messages import Telemetry
 
 LENGTH = 86
 _TURN = 2 * math.pi
 _DEGREE = math.pi / 180
 _NO_ECHO = ("altitude_m:nan",)
+# fmt: off
+_Row: TypeAlias = tuple[
+    bytes, float, float, float, float, float, float,
+    float, float, float, float, float, float, float, float, float,
+    int, int, int, int, int, int, int, int, int, bytes, bytes,
+]
+# fmt: on
 _FRACTIONS = tuple((width - 1500) / 500 for width in range(3000))  # of a PWM width in us
-
-
-class _Draft:
-    """A Telemetry while it is filled: its frozen class takes more than four times as long
-    (tests/bench/bench_tricks.py)."""
-
-    __slots__ = Telemetry.__slots__
 
 
 def sd_reader(
@@ -39,9 +39,9 @@ def sd_reader(
 ) -> Callable[[bytes, int, int, int, float], Stretch]:
     """A ``Shortcut.read``; ``layout`` is that of the frame's table, the scales are volts per count
     of the batteries."""
-    unpack, agrees = layout.unpack_from, stm32_checker(80)
-    draft_of, telemetry_class, fractions = _Draft, Telemetry, _FRACTIONS
-    turn, degree = _TURN, _DEGREE
+    unpack: Callable[[bytes, int], _Row] = layout.unpack_from
+    agrees, draft_of, telemetry_class = stm32_checker(80), TelemetryDraft, Telemetry
+    turn, degree, fractions = _TURN, _DEGREE, _FRACTIONS
 
     def read(data: bytes, at: int, last: int, base: int, t: float) -> Stretch:
         items: list[object] = []

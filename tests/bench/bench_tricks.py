@@ -36,7 +36,8 @@ from mission.authoring.prepare import prepare  # noqa: E402
 from mission.onboard.serve.foreground import SWITCH_S  # noqa: E402
 from mission.onboard.uncollected import uncollected  # noqa: E402
 from mission.verification.simulation import flight  # noqa: E402
-from protocol.drafts import fault  # noqa: E402
+from protocol.drafts import TelemetryDraft  # noqa: E402
+from protocol.framing import fault  # noqa: E402
 from protocol.messages import FrameFault, Telemetry  # noqa: E402
 from protocol.vehicles.auv import AuvCodec  # noqa: E402
 
@@ -105,7 +106,7 @@ def a_report() -> float:
     text = (
         f"def drafted({', '.join(names)}):\n draft = Draft()\n{lines} draft.__class__ = Telemetry\n"
     )
-    made: dict[str, Any] = {"Draft": _Draft, "Telemetry": Telemetry}
+    made: dict[str, Any] = {"Draft": TelemetryDraft, "Telemetry": Telemetry}
     exec(text + " return draft\n", made)
     drafted = made["drafted"]
     assert drafted(*values) == report
@@ -114,10 +115,6 @@ def a_report() -> float:
         lambda: [drafted(*values) for _ in range(MADE)],
         SHORT_ROUNDS,
     )
-
-
-class _Draft:
-    __slots__ = Telemetry.__slots__
 
 
 # --- the collector ----------------------------------------------------------------------------------

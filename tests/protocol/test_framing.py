@@ -12,9 +12,8 @@ from canonical_auv import AUV, SD, VS
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from protocol.drafts import fault
 from protocol.fields import U8, BinaryFrame, Const, FaultKind
-from protocol.framing import Frame, Framer, Shortcut, Splice
+from protocol.framing import Frame, Framer, Shortcut, Splice, fault
 from protocol.messages import FrameFault
 from protocol.tolerances import Tolerances
 from protocol.vehicles import link, links
