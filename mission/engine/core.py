@@ -39,7 +39,7 @@ from mission.model import (
     Result,
 )
 from mission.model.regions import IDLE, MANUAL
-from mission.navigation.fixes import SETTLED
+from mission.navigation.fixes import RECENT, SETTLED
 from protocol.messages import Order, Setpoint
 
 REPEAT_STOP = 0.5  # s (R7)
@@ -307,14 +307,16 @@ class Core(EngineState):
     @property
     def _goes_under(self) -> str:
         """Why it is taken to sink though no depth is believed, "" if it is not: the fixes that
-        proved the surface have ended since it was let go."""
+        proved the surface have ended since it was let go, or say no new place any more."""
         state, let_go = self.vehicle_state, self.now - self.let_go_at
-        quiet = state.receiver.quiet(self.now)
-        if state.depth is not None or let_go > UNSEEN or quiet is None:
+        if state.depth is not None or let_go > UNSEEN or self.active != SURFACED:
             return ""
-        if self.active != SURFACED or not ENDED <= quiet <= let_go + SETTLED:
-            return ""
-        return f"no fix for {quiet:.0f} s since it was let go, and no depth is believed"
+        quiet, no_news = state.receiver.quiet(self.now), state.receiver.no_news(self.now)
+        if quiet is not None and ENDED <= quiet <= let_go + SETTLED:
+            return f"no fix for {quiet:.0f} s since it was let go, and no depth is believed"
+        if no_news is not None and RECENT <= no_news <= let_go + SETTLED:
+            return f"no new place for {no_news:.0f} s since it was let go, and no depth is believed"
+        return ""
 
     def take_stick(self) -> None:
         """Enters manual/driving; a mission stays where it was interrupted."""

@@ -21,7 +21,8 @@ from protocol.messages import Fix
 FIX_DEPTH = 0.8  # m: the surface's 0.5 m and three sigma of a depth; deeper, a fix is none (R7)
 SETTLED = 5.0  # s of fixes without a gap that behave as at the surface
 _REMEMBERED = 32  # places
-_NEWS, _RECENT = 4, 20.0  # new places within such a run, and s ago that the first of them may be
+_NEWS = 4  # new places within such a run
+RECENT = 20.0  # s ago that the first of them may be: a receiver without any is stuck (R7)
 _SILENT = 60.0  # s without a fix: what is said again after it is stale
 _GAP = 2.5  # s between fixes: one second's may be missing
 _HDOP, _SATELLITES = 5.0, 4
@@ -67,7 +68,7 @@ class Receiver:
         last = self._last
         if last is None or now - last.t > _GAP or len(self._news) < _NEWS:
             return 0.0
-        if now - self._news[0] > _RECENT:  # it got stuck
+        if now - self._news[0] > RECENT:  # it got stuck
             return 0.0
         return last.t - self._since
 

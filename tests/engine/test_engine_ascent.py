@@ -496,6 +496,32 @@ def test_what_sinks_unseen_is_brought_up_when_its_fixes_end_and_then_held_up(wai
     assert world.state == SURFACED
 
 
+def said_again(world: World, seconds: int, places: int) -> None:
+    """One a second, a few in turn: a receiver that got stuck goes on under water."""
+    for i in range(seconds):
+        world.tell(world.fix(north=5.0 + i % places))
+        world.wait(1.0)
+
+
+@pytest.mark.parametrize("places", [1, 2, 5])
+def test_what_sinks_unseen_is_brought_up_when_its_receiver_says_no_new_place(places: int):
+    """As draw 14025 of the sea: two places in turn, to the bottom without a word."""
+    world = unseen_at_the_surface(72.0)
+    fixes(world, 20)
+    said_again(world, 18 + places, places)
+    assert world.state == SURFACED
+    said_again(world, 4, places)
+    assert world.state == SURFACING
+    assert world.commands()[-1] == UPWARD
+
+
+def test_a_receiver_that_says_no_new_place_long_after_it_was_let_go_turns_no_thruster():
+    world = unseen_at_the_surface(72.0)
+    fixes(world, 45)
+    said_again(world, 60, 2)
+    assert world.state == SURFACED
+
+
 def test_fixes_that_end_unseen_long_after_it_was_let_go_turn_no_thruster():
     lifted = unseen_at_the_surface(72.0)
     fixes(lifted, 62)

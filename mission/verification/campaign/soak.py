@@ -30,7 +30,7 @@ from mission.verification.campaign.faults import FlightResult, Totals, result_of
 from mission.verification.campaign.trial import try_out
 from mission.verification.rig.acts import Act, Disturbance
 from mission.verification.rig.program import FillableStore, Program
-from mission.verification.rig.trace import Event, Trace
+from mission.verification.rig.trace import Event
 
 DAY = 86400.0
 PART = 4 << 20  # bytes of one part of the black box
@@ -194,7 +194,7 @@ def _fly_on(
         elapsed += trial.truth.t
         soaked.days, soaked.missions = elapsed / DAY, soaked.missions + 1
         told_of = replace(trial, events=(*earlier, *trial.events))
-        earlier = _last_words(told_of)
+        earlier = last_words(told_of.events, told_of.truth.t)
         result = result_of(plan, told_of, vehicle, vehicle.dialect, whole=False)
         result = replace(result, violations=tuple(v for v in result.violations if v.t >= 0.0))
         soaked.totals.add(result)
@@ -204,13 +204,15 @@ def _fly_on(
         told(soaked, result)
 
 
-def _last_words(trial: Trace) -> tuple[Event, ...]:
-    """What the audit of the next flight must know of this one, at that one's times: the state
-    that was entered last, and what was said shortly before."""
-    end, events = trial.truth.t, trial.events
-    entered = [e for e in events if isinstance(e, Step) and e.entered][-1:]
-    words = [e for e in events if e.t > end - RECENT and e not in entered]
-    return tuple(replace(e, t=e.t - end) for e in (*entered, *words))
+def last_words(events: Sequence[Event], end: float) -> tuple[Event, ...]:
+    """What the audit of the next flight must know of this one, which ended at ``end``, at that
+    one's times: the state that was entered last, what was commanded last (an ascent says its U12
+    again for as long as its turn lasts), and what was said shortly before."""
+    steps = [e for e in events if isinstance(e, Step)]
+    state = [e for e in steps if e.entered][-1:]
+    command = [e for e in steps if e.actions][-1:]
+    recent = {id(e) for e in (*state, *command)} | {id(e) for e in events if e.t > end - RECENT}
+    return tuple(replace(e, t=e.t - end) for e in events if id(e) in recent)
 
 
 def _program(vehicle: Vehicle, box: BlackBox) -> Program:

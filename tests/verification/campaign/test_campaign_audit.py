@@ -21,6 +21,7 @@ from mission.model import (
 )
 from mission.verification.campaign.audit import audit, command_of
 from mission.verification.campaign.obedience import ignored
+from mission.verification.campaign.soak import last_words
 from mission.verification.rig.acts import Act
 from mission.verification.rig.trace import Done, Event, Heard, Said
 from protocol.messages import Order, Setpoint
@@ -175,6 +176,20 @@ def test_a_late_copy_of_a_start_by_modem_asks_for_nothing() -> None:
     assert spurious(*over, *again(23.0, "topside")) == 0
     assert spurious(*over, *again(122.0)) == 0
     assert spurious(*over, Done(20.0, Act.KILL), Done(22.0, Act.BOOT), *again(23.0)) == 0
+
+
+def test_a_mission_in_a_row_knows_the_ascent_that_the_one_before_was_in() -> None:
+    """As mission 3929 of soak 42: nothing answers, so U12 is said again for as long as its turn."""
+    ascent = (
+        step(80.0, "everything stopped: a limit", entered=SURFACING),
+        step(90.0, "everything stopped: after 10 s", "surge 0 heave -1: after 10 s"),
+        step(91.0, trigger="silent"),
+    )
+    later = [sent(0.1 + 1.5 * i, b"@ZAU12$") for i in range(5)]
+    known = audit([*last_words(ascent, 100.0), *later], "as-built")
+    assert [one for one in known if one.t >= 0.0] == []
+    state = [event for event in last_words(ascent, 100.0) if event.t == -20.0]
+    assert len([one for one in audit([*state, *later], "as-built") if one.t >= 0.0]) == 5
 
 
 # --- what was ordered leaves ------------------------------------------------------------------------
