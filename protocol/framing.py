@@ -19,16 +19,15 @@ What does not live here: what a frame means (tables), clocks (``now`` is a param
 
 from __future__ import annotations
 
-import re
 from bisect import bisect_right
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from functools import partial
 from typing import Any, NamedTuple, cast
 
 from protocol.drafts import FaultDraft
 from protocol.fields import FaultKind, FrameType, Values
 from protocol.messages import FrameFault
+from protocol.starts import by_start, finder
 from protocol.tolerances import Tolerances
 
 SERIAL_IDLE = 0.05  # s
@@ -147,8 +146,9 @@ class Framer:
         self.splice, self.counters = splice, Counters()
         self._shortcut = shortcut or _NO_SHORTCUT
         self._message = shortcut.message if shortcut is not None else None
-        self._by_start = _by_start(self.types, splice)
-        self._finder = _finder({t.lead[:1] for t in self.types})
+        torn = b"" if splice is None else splice.host.lead[:1] + splice.guest.lead[:1]
+        self._by_start = by_start(self.types, torn)
+        self._finder = finder({t.lead[:1] for t in self.types})
         self.buffer = b""
         self._base = 0  # offset of the buffer's first byte in the stream
         self._fresh = 0  # what begins before this offset is not waited for any more
@@ -331,45 +331,6 @@ def fault(offset: int, kind: str, length: int) -> FrameFault:
     draft.offset, draft.kind, draft.length = offset, kind, length
     draft.__class__ = FrameFault
     return cast("FrameFault", draft)
-
-
-def _by_start(
-    types: Sequence[FrameType], splice: Splice | None
-) -> dict[bytes, tuple[FrameType, ...]]:
-    """Which frames may begin with these two bytes, or with the buffer's last one."""
-    starts = {t.lead[:size] for t in types for size in (1, 2)}
-    for short in (t.lead for t in types if len(t.lead) == 1):
-        starts |= {short + bytes([second]) for second in range(256)}
-    if splice is not None:  # a host torn after its first byte
-        starts.add(splice.host.lead[:1] + splice.guest.lead[:1])
-    return {
-        start: tuple(t for t in types if t.lead.startswith(start) or start.startswith(t.lead))
-        for start in starts
-    }
-
-
-def _finder(firsts: set[bytes]) -> Callable[[bytes], Callable[[int], int]]:
-    """For the data: where the next frame can begin, -1 for nowhere."""
-    if len(firsts) == 1:
-        (first,) = firsts
-        return partial(_byte_in, first)
-    return partial(_pattern_in, re.compile(b"[" + b"".join(map(re.escape, sorted(firsts))) + b"]"))
-
-
-# No closures: a framer is copied, and mypyc's cannot be.
-
-
-def _byte_in(first: bytes, data: bytes) -> Callable[[int], int]:
-    return partial(data.find, first)
-
-
-def _pattern_in(pattern: re.Pattern[bytes], data: bytes) -> Callable[[int], int]:
-    return partial(_start, pattern, data)
-
-
-def _start(pattern: re.Pattern[bytes], data: bytes, at: int) -> int:
-    found = pattern.search(data, at)
-    return -1 if found is None else found.start()
 
 
 def no_stretch(data: bytes, at: int, last: int, base: int, t: float) -> Stretch:

@@ -94,6 +94,7 @@ MODULES = (
     "protocol.framing",
     "protocol.nmea",
     "protocol.nmea_fields",
+    "protocol.starts",
     "protocol.topside",
     "protocol.vehicles.sd_stream",
 )
