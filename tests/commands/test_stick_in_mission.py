@@ -108,7 +108,13 @@ def at_sea(folder: Path, name: str) -> Iterator[Sea]:
             yield Sea(sea, told["topside"], Path(told["black_box"]), track)
 
 
-@pytest.mark.parametrize("name", STAYS)
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param(name, marks=() if name in ("auv", "robot") else pytest.mark.minutes)
+        for name in STAYS
+    ],
+)
 def test_the_stick_is_taken_and_given_back_in_mid_mission_and_the_mission_comes_home(
     tmp_path: Path, name: str
 ) -> None:

@@ -271,6 +271,7 @@ def test_a_sample_of_cells_gives_the_same_when_compiled() -> None:
 
 
 @pytest.mark.proof
+@pytest.mark.minutes  # .ci/run compiles them
 def test_mypyc_takes_the_sources_as_they_are(tmp_path: Path) -> None:
     for name in PACKAGES:
         shutil.copytree(ROOT / name, tmp_path / name)

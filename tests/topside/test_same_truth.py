@@ -6,6 +6,7 @@ Real serve, sockets, certificates and acoustic modems, in real time, for every v
 
 from __future__ import annotations
 
+import itertools
 import json
 import re
 import threading
@@ -215,8 +216,14 @@ def at_sea(folder: Path, name: str, scheme: str) -> Iterator[tuple[Scene, thread
 
 
 @pytest.mark.proof
-@pytest.mark.parametrize("name", MISSIONS)
-@pytest.mark.parametrize("scheme", ["tls", pytest.param("tcp", marks=pytest.mark.minutes)])
+@pytest.mark.parametrize(
+    ("scheme", "name"),
+    [
+        pytest.param(scheme, name, marks=() if here else pytest.mark.minutes)
+        for scheme, name in itertools.product(("tls", "tcp"), MISSIONS)
+        for here in [(scheme, name) in {("tls", "auv"), ("tcp", "robot")}]
+    ],
+)
 def test_boat_modem_and_viewer_see_what_the_pi_sees_in_every_state(
     scheme: str, name: str, tmp_path: Path
 ) -> None:
