@@ -311,11 +311,14 @@ class Core(EngineState):
         state, let_go = self.vehicle_state, self.now - self.let_go_at
         if state.depth is not None or let_go > UNSEEN or self.active != SURFACED:
             return ""
-        quiet, no_news = state.receiver.quiet(self.now), state.receiver.no_news(self.now)
-        if quiet is not None and ENDED <= quiet <= let_go + SETTLED:
-            return f"no fix for {quiet:.0f} s since it was let go, and no depth is believed"
-        if no_news is not None and RECENT <= no_news <= let_go + SETTLED:
-            return f"no new place for {no_news:.0f} s since it was let go, and no depth is believed"
+        receiver, longest = state.receiver, let_go + SETTLED
+        for missing, since, ended in (
+            ("fix", receiver.quiet(self.now), ENDED),
+            ("new place", receiver.no_news(self.now), RECENT),
+        ):
+            if since is not None and ended <= since <= longest:
+                said = f"no {missing} for {since:.0f} s since it was let go"
+                return f"{said}, and no depth is believed"
         return ""
 
     def take_stick(self) -> None:

@@ -26,8 +26,8 @@ DEEP = 2.0  # m
 DEEP_AGAIN = 1.0  # m, in surfaced
 ENDED, UNSEEN = 8.0, 60.0  # s without a fix, of the first that nobody sees by a depth (R7)
 SUNK = 0.5  # m deeper than it has been: five sigmas of a depth
-RISEN = 0.5  # m since it last rose as far, within RISE_TIME, or it does not rise
-RISE_TIME = 20.0  # s
+RISEN = 0.5  # m: it rises while it comes up by so much again and again, each time within ...
+RISE_TIME = 20.0  # ... s
 _LASTS = 1.0  # s, and two reports
 _SMOOTH = 6.0  # s, of the depth that the deepest is compared with
 _LONGEST = 10.0  # s without a depth: its mean begins anew, not what it was before
@@ -118,9 +118,9 @@ class Rest:
         return f"it sinks though everything is stopped, {self._depth:.1f} m deep"
 
     def stays_down(self) -> str:
-        """Why it is taken to stay deep, in words; "" if it is not. To be asked with every
-        report."""
-        if self._depth <= self._from - RISEN:  # looked at each RISE_TIME, a rise hides as long
+        """Why it is taken to stay deep, in words; "" if it is not. To be asked with every report:
+        asked less often it would learn late that a rise is over."""
+        if self._depth <= self._from - RISEN:
             self._from, self._since = self._depth, self._t
         if self._t - self._since < RISE_TIME or not self._depth > DEEP:
             return ""

@@ -24,6 +24,7 @@ LENGTH = 86
 _TURN = 2 * math.pi
 _DEGREE = math.pi / 180
 _NO_ECHO = ("altitude_m:nan",)
+# What the layout unpacks, by its types: compiled code computes with plain floats then.
 # fmt: off
 _Row: TypeAlias = tuple[
     bytes, float, float, float, float, float, float,
