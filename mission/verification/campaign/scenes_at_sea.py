@@ -258,7 +258,7 @@ def _clogged(rng: Random) -> Scene:
 def _clogged_at_the_surface(rng: Random) -> Scene:
     """The port clogs before it dives; the receiver says its last places on, or makes some up."""
     begin = rng.uniform(6.0, 9.0)
-    again = fault("gps_in_turn", begin, FOREVER, rng.randint(1, 5))
+    again = fault("gps_in_turn", begin, FOREVER, float(rng.randint(1, 5)))
     places = rng.choice([again, fault("gps_wanders", begin)])
     return Scene("deep", (fault("depth_stuck", rng.uniform(5.0, 6.5)), places))
 

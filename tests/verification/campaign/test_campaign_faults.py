@@ -57,6 +57,14 @@ def kinds_of(trial: Trace, profile: str = "as-built", settings: Settings = NO_FA
 # --- the campaign --------------------------------------------------------------------------------
 
 
+def test_what_is_drawn_of_a_fault_is_told_alike_by_both_builds() -> None:
+    """Compiled code makes a float of a whole number, and a flight's words would say 2.0 for 2."""
+    drawn = [event for n in range(300) for event in draw(3, n, KNOWN).settings.faults]
+    values = [v for e in drawn for v in (e.begin, e.duration, e.value) if v is not None]
+    assert len(values) > 300
+    assert {type(value) for value in values} == {float}
+
+
 @pytest.mark.proof
 @pytest.mark.parametrize("ten", range(5))
 def test_no_disturbed_flight_loses_overruns_or_sends_unasked(ten: int) -> None:
