@@ -41,6 +41,7 @@ OVERTURNED_TURN = 5.0  # s that DOWNWARD is given (R7)
 OVERTURNED_PAUSE = 60.0  # s from one DOWNWARD to the next (R7)
 LONGER = 5  # times that letting go comes round, each twice as long: 10 s to 160 s (R7)
 BLIND = 4  # turns of full thrust at most that no depth tells of (R7)
+SEEN = 6.0  # s behind a lift at the surface, and what proves the surface counts again (R7)
 WORD = 1.0  # s that an operator's W has for itself before the next way; once a turn
 DEEPER = 1.0  # m, and DOWNWARD is given up (R7); behind another way, letting go has two turns
 
@@ -62,6 +63,7 @@ class Ascent:
             "_heard",
             "_kept",
             "_let_go",
+            "_lifted_at",
             "_longest",
             "_looked",
             "_overturned_at",
@@ -104,14 +106,28 @@ class Ascent:
         self._push = UPWARD if UPWARD in ways else Order.SURFACE  # that has two turns later
         self._pushes = int(self.way == self._push)
         if sank and self._pushes:
-            self._pushes = BLIND
-            self._begin_turn(now, depth, TURN if depth is None else 2.0 * TURN)
-        self._overturned_at = now - OVERTURNED_PAUSE
+            self._begin_long(now, depth)
+        self._overturned_at, self._lifted_at = now - OVERTURNED_PAUSE, -math.inf
 
     @property
     def pushes_up(self) -> bool:
         """A thruster holds it up; let go, it would not be held."""
         return self.way is Order.SURFACE or self.way == UPWARD
+
+    def lifts(self, now: float, depth: float | None, unsure: bool) -> tuple[Action, ...]:
+        """For what sinks when it is let go and is at the surface: full thrust, where it was let go
+        and did not rise by that. ``unsure``: it may be upside down, and no push is begun then."""
+        sinks = self.way is Order.STOP and not self._kept and not unsure
+        if not (sinks and self._push in self._ways):
+            return ()
+        self._at = self._ways.index(self._push)
+        self.way, self._lifted_at = self._push, now
+        self._begin_long(now, depth)
+        return (Action(self.way, f"{self.why}: let go it would sink again"),)
+
+    def is_up(self, now: float) -> bool:
+        """Whether what proves the surface was seen behind that thrust, not before it."""
+        return now >= self._lifted_at + SEEN
 
     def first(self) -> tuple[Action, ...]:
         return (Action(self.way, self.why),)
@@ -123,6 +139,10 @@ class Ascent:
         if first:
             self._turn = min(max(self._turn, now + WORD - self._since), self._longest)
         return first
+
+    def doubt(self) -> None:
+        """The line was away: nobody may have heard what operators have said in this turn."""
+        self._heard = False
 
     def act(
         self, now: float, depth: float | None, overturned: bool, doubtful: bool = False
@@ -223,6 +243,11 @@ class Ascent:
         self._turn = TURN if turn is None else turn
         self._longest = self._turn + WORD
         self._start_depth = self._deepest = self._shallowest = depth
+
+    def _begin_long(self, now: float, depth: float | None) -> None:
+        """Of full thrust for what sank when it was let go."""
+        self._pushes = BLIND
+        self._begin_turn(now, depth, TURN if depth is None else 2.0 * TURN)
 
     def _fallen(self, now: float, depth: float | None) -> float | None:
         """m from the deepest of the turn's depths, ``LOOK`` apart, from the first known one on."""

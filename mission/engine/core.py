@@ -208,6 +208,7 @@ class Core(EngineState):
         run = self.flying
         ascent = run.ascent if run is not None and run.climbing else self.ascent
         if ascent is not None:
+            ascent.doubt()
             self._record((Action(ascent.way, f"{ascent.why}: the line to the vehicle was away"),))
         elif self._rests and self.stopped_at is not None:
             self._record(self._stop(f"{self.reason}: the line to the vehicle was away"))
@@ -272,7 +273,13 @@ class Core(EngineState):
         """Goes on with the emergency's ascent, or ends it at the surface."""
         if self.ascent is None:
             return
-        if self.vehicle_state.surfaced(self.ascent.began):
+        now, depth, overturned, doubtful = self.vehicle_state.seen_rising
+        if not self.vehicle_state.surfaced(self.ascent.began):
+            if actions := self.ascent.act(now, depth, overturned, doubtful):
+                self._record(actions)
+        elif self._sank and (lift := self.ascent.lifts(now, depth, overturned or doubtful)):
+            self._record(lift)
+        elif self.ascent.is_up(now):
             held = self._sank and self.ascent.pushes_up
             why = f"{self.reason}; at the surface"
             if held:
@@ -282,8 +289,6 @@ class Core(EngineState):
             stop = () if held else self._stop("the surface is reached")
             self._move("surfaced", SURFACED, why, stop, None)
             self.ascent = None
-        elif actions := self.ascent.act(*self.vehicle_state.seen_rising):
-            self._record(actions)
 
     def mind_rest(self) -> None:
         """Looks, with each report, for a vehicle that sinks although everything is stopped, or that
@@ -292,7 +297,8 @@ class Core(EngineState):
         if kind != self._rested:
             self._rested = kind
             proved = self.active == SURFACED and self.let_go_at > -math.inf
-            self.rest.begin(SURFACE_DEPTH if proved else math.nan)
+            unseen = self.vehicle_state.depth is None and not proved
+            self.rest.begin(SURFACE_DEPTH if proved else math.nan, unseen=unseen)
         report = self.vehicle_state.telemetry
         if not kind or report is None:
             return
@@ -300,7 +306,8 @@ class Core(EngineState):
         self.rest.take(report.t, state.depth, DEEP_AGAIN if surfaced else DEEP)
         unsure = state.depth is None and not state.receiver.settled(report.t)
         self.rest.follow(report.t, state.moving_depth if unsure else None)
-        why = self.rest.stays_down() if kind == "stopped" else self.rest.sinks
+        stays = self.rest.stays_down() if kind == "stopped" or self.rest.unseen else ""
+        why = stays if kind == "stopped" else self.rest.sinks or stays
         if (why := why or self.rest.goes_down or self._goes_under) and self.auto:
             self.surface("limit", why, By.LIMIT)
 

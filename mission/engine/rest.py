@@ -5,6 +5,8 @@
     surfaced        the same over 1 m: that it sinks where it was let go is known sooner there
     stopped         over 2 m, and 20 s since X or since it was last another 0.5 m less deep: X is
                     also given for a diver, who is left to the buoyancy first
+    idle, waiting   the same where it was under way before, and no depth was believed when it
+                    came to rest: it may have sunk unseen, and lie on the bottom
 
     anywhere        2 m deeper than it has been, by a depth whose zero alone is contradicted and
                     which moves as the vehicle does: it leapt, and goes down
@@ -49,6 +51,7 @@ class Rest:
         "_smooth",
         "_sunk_at",
         "_t",
+        "unseen",
     )
 
     def __init__(self, fastest: float) -> None:
@@ -59,9 +62,11 @@ class Rest:
     def clone(self) -> Self:
         return copied(self)
 
-    def begin(self, shallowest: float = math.nan) -> None:
+    def begin(self, shallowest: float = math.nan, *, unseen: bool = False) -> None:
         """Starts anew in another state: what was seen before says nothing about it, but
-        ``shallowest`` m of an ascent that proved the surface, by whatever did."""
+        ``shallowest`` m of an ascent that proved the surface, by whatever did. ``unseen``: it was
+        under way, and no depth is believed; so it stays until one says that it is not deep."""
+        self.unseen = unseen
         self._t = self._since = -math.inf
         self._depth = self._smooth = self._from = math.nan
         self._shallowest = shallowest
@@ -77,7 +82,7 @@ class Rest:
         sinks = change <= _FASTER * self._fastest * max(since, 1.0) + _JUMP  # not: the first one
         if not sinks:
             before = self._shallowest if math.isnan(self._depth) else math.nan
-            self.begin(depth if math.isnan(before) else min(before, depth))
+            self.begin(depth if math.isnan(before) else min(before, depth), unseen=self.unseen)
         if not sinks or since > _LONGEST:
             self._smooth = self._from = depth
             self._since = t
@@ -85,6 +90,7 @@ class Rest:
             self._smooth += (depth - self._smooth) * min(since / _SMOOTH, 1.0)
         self._shallowest = min(self._shallowest, self._smooth)
         self._t, self._depth = t, depth
+        self.unseen = self.unseen and depth > deep
         if not (depth > deep and depth > self._shallowest + SUNK):
             self._sunk_at = None
         elif self._sunk_at is None:

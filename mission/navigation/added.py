@@ -7,10 +7,10 @@
 
 A value is used if four of the five before it were off by as much, and if it is within the 99.9 %
 bound of its normalised innovation squared: an outlier is neither. The way back of an honest sensor
-that the filter would not believe: ``opens`` values in a row beyond the bound, all off by as much,
-widen what they speak of. The speed through the water opens nothing: what it would tell fades within
-half a minute by itself. What says the same to the last bit while the vehicle's way has changed is
-frozen, and counts for nothing.
+that the filter would not believe: ``opens`` values in a row beyond the bound, all off by as much
+and not all the same to the last bit, widen what they speak of. The speed through the water opens
+nothing: what it would tell fades within half a minute by itself. What says the same to the last bit
+while the vehicle's way has changed is frozen, and counts for nothing.
 
 What does not live here: bytes (protocol.added), when it is used (reckoner), the equations (hull).
 """
@@ -94,8 +94,11 @@ class Seen(NamedTuple):
         return sum(self._agree(a, self.off[-6:-1])) >= _CONFIRM
 
     def insists(self, a: Aiding) -> bool:
+        """What says the same to the last bit all the time does not: where it froze the vehicle may
+        have moved as it moves now, or have been heard for the first time since."""
         most = ADDED[a.kind].opens
-        return 0 < most <= self.refused and all(self._agree(a, self.off[-most:]))
+        insisted = self.same < most <= self.refused
+        return insisted and all(self._agree(a, self.off[-most:]))
 
     def _agree(
         self, a: Aiding, others: Iterable[tuple[float, tuple[float, ...]]]

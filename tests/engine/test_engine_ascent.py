@@ -10,7 +10,15 @@ from engine_world import VEHICLE, M, W, World, X, leg, mission, when
 
 from mission.engine.ascent import DOWNWARD, Ascent
 from mission.legs import Surface
-from mission.model import IDLE_READY, STOPPED, SURFACED, SURFACING, AutoNode, Restarted
+from mission.model import (
+    IDLE_READY,
+    STOPPED,
+    SURFACED,
+    SURFACING,
+    AutoNode,
+    LineOpened,
+    Restarted,
+)
 from protocol.messages import UPWARD, ClearMission, Order, Setpoint
 
 LONG = 20000.0
@@ -382,6 +390,19 @@ def test_an_operators_w_has_a_second_on_the_line_before_the_next_way(again):
     assert said[:2] == [(19.9, Order.SURFACE), (19.9, UPWARD)]
     stopped = next(t for t, c in said if c is Order.STOP)
     assert stopped == pytest.approx(20.9, abs=0.06)
+
+
+def test_what_an_operator_said_while_the_line_was_away_does_not_count_as_said():
+    """Nobody may have heard it: the next W leaves again in the same turn."""
+    world = surfacing()
+    world.wait(11.0)
+    world.tell(W)
+    world.tell(W)
+    world.tell(LineOpened())
+    world.tell(W)
+    world.tell(W)
+    said = [c for t, c in sent(world) if t > 10.5]
+    assert said == [Order.SURFACE, UPWARD, UPWARD, Order.SURFACE, UPWARD]
 
 
 @pytest.mark.parametrize("doubt", ["frozen", "absurd", "missing"])

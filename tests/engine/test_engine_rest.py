@@ -172,6 +172,31 @@ def test_it_is_brought_up_as_often_as_it_sinks_and_then_held_up():
     assert world.commands()[-1] == UPWARD
 
 
+@pytest.mark.parametrize(
+    ("roll", "rises", "held"), [(0.0, 0.0, True), (0.0, 0.5, False), (170.0, 0.0, False)]
+)
+def test_what_sank_is_held_up_though_its_ascent_lets_it_go_when_it_is_up(roll, rises, held):
+    """Unless letting go has made it rise, or it may be upside down."""
+    world = at_rest(SURFACED)
+    sink(world, 0.3, 9.0)
+    world.depth = 4.0
+    while world.commands()[-1] is not Order.STOP:
+        world.wait(1.0)
+    world.roll = math.radians(roll)
+    while world.depth > 0.3 and rises:
+        world.depth -= rises
+        world.wait(2.0)
+    world.depth = 0.2
+    begun = world.t
+    while world.state == SURFACING and world.t < begun + 30.0:
+        world.wait(2.0)
+        world.roll += math.radians(0.1)
+    assert world.state == SURFACED
+    assert 10.0 < world.t - begun <= 16.0 if held else world.t - begun <= 10.0  # behind the thrust
+    assert ("held up" in world.engine.reason) is held
+    assert world.commands()[-1] == (UPWARD if held else Order.STOP)
+
+
 def test_an_operators_stop_lets_go_of_what_was_held_up():
     world = at_rest(SURFACED)
     sink(world, 0.3, 9.0)
@@ -212,6 +237,70 @@ def test_what_sank_while_no_depth_was_believed_is_brought_up_when_one_is(state: 
     world.depth = 12.0  # on the floor, say: it does not sink any more
     world.wait(6.0)
     assert world.state == SURFACING
+
+
+def closed_under_way() -> World:
+    world = World(MISSION)
+    assert world.start()
+    world.wait(4.0)
+    world.nav.doubt["depth"] = "absurd"
+    world.tell(AutoNode(False))
+    return world
+
+
+def stopped_and_cleared() -> World:
+    world = World(MISSION)
+    assert world.start()
+    world.wait(4.0)
+    world.nav.doubt["depth"] = "absurd"
+    world.tell(X)
+    world.tell(ClearMission())
+    world.wait(6.0)
+    assert world.tell(ClearMission()).verdicts[0].accepted
+    return world
+
+
+@pytest.mark.parametrize("come_to_rest", [closed_under_way, stopped_and_cleared])
+@pytest.mark.parametrize("unseen_for", [4.0, 100.0])
+def test_what_came_to_rest_unseen_and_lies_on_the_bottom_is_brought_up(come_to_rest, unseen_for):
+    world = come_to_rest()
+    world.wait(unseen_for)
+    world.tell(AutoNode(True))
+    world.depth = 29.8
+    world.wait(2.0)
+    world.nav.doubt.clear()
+    seen = world.t
+    world.wait(19.0)
+    assert world.state.startswith("idle")
+    world.wait(6.0)
+    assert world.state == SURFACING
+    assert "does not rise" in world.engine.reason
+    assert next(t for t, a in world.actions if a.command == UPWARD and t > seen) - seen >= 20.0
+
+
+def test_what_came_to_rest_unseen_and_rises_is_left_alone_and_no_longer_unseen_then():
+    world = closed_under_way()
+    world.tell(AutoNode(True))
+    world.depth = 12.0
+    world.wait(2.0)
+    world.nav.doubt.clear()
+    while world.depth > 1.95:
+        world.depth -= 0.06
+        world.wait(2.0)
+    world.depth = 2.3  # on the floor of a pool
+    world.wait(60.0)
+    assert world.state == IDLE_READY
+
+
+def test_on_deck_a_depth_that_begins_to_be_known_turns_no_thruster():
+    """It was not under way: a program may be started on the floor of a pool, too."""
+    world = World(MISSION)
+    world.nav.doubt["depth"] = "missing"
+    world.wait(10.0)
+    world.depth = 3.2
+    world.nav.doubt.clear()
+    world.wait(120.0)
+    assert world.commands() == []
 
 
 def test_a_copy_watches_its_own_rest():

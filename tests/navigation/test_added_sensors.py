@@ -157,6 +157,19 @@ def test_a_sensor_that_begins_to_lie_leaves_what_it_taught(kind: str, lie: str) 
     assert error(under_water(told(kind, lie, 250.0))) < 1.3 * error(under_water(told(""))) + 3.0
 
 
+def test_a_sensor_that_froze_while_its_line_was_away_is_not_believed_in_the_end() -> None:
+    """It says half of the speed from the first on that is heard of it again."""
+
+    def frozen() -> Iterator[Said]:
+        for item in under_water(told("ground")):
+            if not isinstance(item, Aid) or item.t < 250.0:
+                yield item
+            elif item.t > 300.0:
+                yield replace(item, values=(0.5, 0.0))
+
+    assert error(list(frozen())) < 1.3 * error(under_water(told(""))) + 3.0
+
+
 @pytest.mark.parametrize("kind", ["ground", "place", "range"])
 def test_an_honest_sensor_that_was_not_believed_is_believed_again(kind: str) -> None:
     def late() -> Iterator[Said]:

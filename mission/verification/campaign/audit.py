@@ -133,7 +133,7 @@ class _Auditor:
         self._encode = AuvCodec(dialect).encode
         self._state = ""
         self._permits: list[_Permit] = []
-        self._relays: list[tuple[float, bytes, Peer]] = []
+        self._relays: dict[bytes, deque[tuple[float, Peer]]] = {}  # what was said, oldest first
         self._sticks: dict[Peer, float] = {}  # the last M of each
         self._holder: Peer | None = None  # whose M the vehicle follows
         self._tails: dict[Peer, bytes] = {}
@@ -161,7 +161,7 @@ class _Auditor:
                     self._run_again(t)
                 case Done(t=t, act=Act.KILL | Act.BOOT):
                     self._stalled = None
-                    self._permits, self._relays, self._tails = [], [], {}
+                    self._permits, self._relays, self._tails = [], {}, {}
                     self._state, self._booted, self._acks, self._ends = "", t, 0, False
                     self._starts.clear()
                 case Done(act=Act.END):
@@ -184,7 +184,8 @@ class _Auditor:
         late, self._stalled = t - (t if self._stalled is None else self._stalled), None
         for permit in self._permits:
             permit.ends += late
-        self._relays = [(said + late, frame, peer) for said, frame, peer in self._relays]
+        for frame, said in self._relays.items():
+            self._relays[frame] = deque((t + late, peer) for t, peer in said)
         for pattern in (_X, _W, _AA):
             if pattern in self._last:
                 self._last[pattern] += late
@@ -197,7 +198,7 @@ class _Auditor:
         fresh = len(stream) - len(said.data)
         for found in _RELAYED.finditer(stream):
             if found.end() > fresh:
-                self._relays.append((said.t, found[0], peer))
+                self._relays.setdefault(found[0], deque()).append((said.t, peer))
                 if said.link != MODEM and found[0].startswith(b"@M") and moves(found[0]):
                     self._sticks[peer] = said.t
         for pattern in (_X, _W, _AA):
@@ -322,13 +323,14 @@ class _Auditor:
             yield Spurious(tx.t, f"{tx.data!r} while the stick is held ({tx.reason})")
 
     def _relayed(self, tx: Tx) -> Iterator[Spurious]:
-        self._relays = [relay for relay in self._relays if tx.t - relay[0] <= RELAYED]
-        found = [i for i, (_, frame, _) in enumerate(self._relays) if frame == tx.data]
-        if not found:
+        said = self._relays.get(tx.data, deque())
+        while said and tx.t - said[0][0] > RELAYED:
+            said.popleft()
+        if not said:
             yield Spurious(tx.t, f"{tx.data!r} in {self._state}: no operator said it ({tx.reason})")
             return
-        _, _, peer = self._relays[found[-1]]
-        del self._relays[found[0]]
+        _, peer = said[-1]
+        said.popleft()
         if not tx.data.startswith(b"@M"):
             return
         if peer in self._sticks:
