@@ -124,6 +124,8 @@ class DepthBelief:
             self._reconsider(t, after, after - before, receiver)
         else:
             self._doubt(t, after, after - before, receiver)
+            if self.reason:
+                self._low = self._high = after  # what it leaves at once it has moved from, too
 
     # --- what is going on ----------------------------------------------------------------------
 

@@ -101,6 +101,14 @@ def test_a_depth_that_goes_faster_than_a_body_does_is_contradicted():
     assert "no body" in Dive().go(16.0, HOLD, lambda s: 40.0 - 1.8 * s)
 
 
+@pytest.mark.parametrize("stands_for", [18.0, 22.0, 30.0, 60.0])
+def test_an_offset_that_ends_as_soon_as_it_is_contradicted_has_moved_too(stands_for):
+    """At the surface, with fixes: from 1.0 m to 0.2 m at once, and no more than that."""
+    dive = Dive(noise=0.02)
+    assert dive.go(stands_for, UP, at(1.0), fixes=True).startswith("contradicted")
+    assert dive.go(30.0, UP, at(0.2), fixes=True) == ""
+
+
 @pytest.mark.parametrize("off", [1.5, -1.5])
 def test_an_offset_is_contradicted_by_half_a_minute_of_fixes(off):
     dive = Dive()

@@ -35,6 +35,7 @@ from mission.verification.rig.trace import Trace
 AFLOAT = 0.5  # m (R7)
 HELD = 3.0  # m of a body that its thrusters hold up
 SANK = 0.6  # m: 1 m by a sensor that may be 0.4 m off (R7, at rest)
+TOLD = 10  # s until fixes that end have told it (R7, at rest)
 WHOLE_ROUND = 50.0  # s of an ascent's three ways, the last two of them twice as long
 
 
@@ -91,14 +92,16 @@ def _may_turn(trial: Trace, settings: Settings) -> bool:
 
 
 def _sank(trial: Trace) -> bool:
-    """In truth, out of surfaced, and was brought up by itself."""
+    """In truth, out of surfaced, and was brought up by itself: fixes that ended tell it later."""
     before = ""
     for event in trial.events:
         if not (isinstance(event, Step) and event.entered):
             continue
         state = event.entered[-1]
         again = before == SURFACED and state == SURFACING and event.trigger == "limit"
-        if again and trial.track[min(int(event.t), len(trial.track) - 1)].depth > SANK:
+        second = min(int(event.t), len(trial.track) - 1)
+        seen = trial.track[max(second - TOLD, 0) : second + 1]
+        if again and any(place.depth > SANK for place in seen):
             return True
         before = state
     return False

@@ -27,6 +27,7 @@ from mission.verification.campaign.excuses import (
     untamed,
 )
 from mission.verification.campaign.faults import shipped, subjects
+from mission.verification.campaign.home import lost
 from mission.verification.campaign.scene_texts import mission_of
 from mission.verification.rig.acts import Act
 from mission.verification.rig.trace import Done, Event, Heard, Said, Trace
@@ -220,6 +221,26 @@ def test_the_else_of_a_leg_without_an_echo_is_a_false_alarm_where_the_altimeter_
     events = (*reports, step)
     trial = seen(events, "")
     assert len(list(alarms(trial, flown("auv")))) == alarmed
+
+
+@pytest.mark.parametrize(
+    ("deep", "at", "lost_by"), [(0.7, 20, ""), (0.7, 8, "its thrusters turn"), (0.2, 20, "its")]
+)
+def test_what_sank_and_was_up_again_as_its_fixes_told_it_is_held_up(deep, at, lost_by) -> None:
+    """As flight 2405 of seed 4707."""
+    steps = [
+        Step(t, "", (), (), (state,), (), trigger, None)
+        for t, state, trigger in (
+            (5.0, SURFACED, "surfaced"),
+            (25.0, SURFACING, "limit"),
+            (40.0, SURFACED, "surfaced"),
+        )
+    ]
+    trial = seen(tuple(steps), SURFACED)
+    track = [trial.truth._replace(t=float(t), depth=deep if t == at else 0.2) for t in range(50)]
+    held = replace(trial, track=tuple(track), truth=track[-1], turning=True)
+    assert lost(held, "documented", Settings()).startswith(lost_by)
+    assert bool(lost(held, "documented", Settings())) is bool(lost_by)
 
 
 def test_a_dive_that_begins_in_a_turn_of_full_thrust_costs_a_round() -> None:
