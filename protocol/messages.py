@@ -12,11 +12,11 @@ from __future__ import annotations
 import enum
 import re
 from dataclasses import dataclass
+from typing import NamedTuple
 
 
-@dataclass(frozen=True, slots=True)
-class Telemetry:
-    """One report of the vehicle's own sensors.
+class Telemetry(NamedTuple):
+    """One report of the vehicle's own sensors. A tuple, as a log has thousands.
 
     ``t`` is the engine's time at the arrival of the frame's first byte (R10). ``heading`` is as
     the compass gives it (magnetic, uncorrected). ``actuators`` are fractions -1..1 of full thrust
@@ -123,9 +123,9 @@ class Ack:
         return self.result != ord("N")
 
 
-@dataclass(frozen=True, slots=True)
-class FrameFault:
-    """Bytes that belong to no accepted frame. A value, never an exception."""
+class FrameFault(NamedTuple):
+    """Bytes that belong to no accepted frame. A value, never an exception; a tuple, as noise has
+    one for every few bytes."""
 
     offset: int  # of the first byte, from the start of the stream
     kind: str  # docs/protocol.md: truncated, bad_header, bad_checksum, ...

@@ -11,7 +11,6 @@ Nothing is kept by hand but why a row has no reader or writer here (``NOBODY``).
 
 from __future__ import annotations
 
-import dataclasses
 import functools
 import math
 from collections.abc import Iterator, Mapping
@@ -152,9 +151,9 @@ def _telemetry_of(name: str, field: str) -> str:
     values = dict(frame.decode(_raw(name)))
     other = values | {field: another(item, values[field])}
     before, after = (_telemetry(name, frame.encode(v)) for v in (values, other))
-    for one in dataclasses.fields(Telemetry):
-        if getattr(before, one.name) != getattr(after, one.name):
-            return f"`Telemetry.{one.name}`"
+    for one in Telemetry._fields:
+        if getattr(before, one) != getattr(after, one):
+            return f"`Telemetry.{one}`"
     return ""
 
 
@@ -173,7 +172,7 @@ def _telemetry(name: str, raw: bytes) -> Telemetry:
     found = [one for t in range(6) for one in board.receive(raw, float(t))]
     last = found[-1]
     assert isinstance(last, Telemetry)
-    return dataclasses.replace(last, t=0.0)
+    return last._replace(t=0.0)
 
 
 def _message(name: str) -> object | None:

@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import math
 import statistics
-from dataclasses import replace
 from typing import Any, Protocol, Self
 
 from mission.engine.attitude import Attitude
@@ -193,7 +192,7 @@ class VehicleState:
             return report
         s = self.command or Setpoint()
         vertical = 1.0 if s.depth is not None or s.altitude is not None else s.heave or 0.0
-        return replace(report, actuators=(s.surge + s.turn, s.surge - s.turn, vertical))
+        return report._replace(actuators=(s.surge + s.turn, s.surge - s.turn, vertical))
 
     def _asked(self) -> float | None:
         """The depth that the set in force asks for, m."""

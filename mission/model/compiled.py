@@ -2,8 +2,7 @@
 
 Compiled code comes from the same sources and gives the same bytes; it is only quicker. The list has
 what an hour of flight spends its time in, and what a campaign's laws do. Left to the interpreter:
-what swaps its objects' class (``protocol.drafts``), what other classes inherit from (frames,
-codecs), and whatever runs once a flight.
+what other classes inherit from (frames, codecs), and whatever runs once a flight.
 
 What does not live here: how they are compiled (hatch_build.py).
 """

@@ -5,7 +5,8 @@ never twice the same. What speaks against it, over the last ``WINDOW`` seconds:
 
     stands    the verticals push (as reported, or by the set in force) and the depth does not move
     altimeter the ground comes nearer, or goes, evenly, while the depth stands and nothing drives:
-              quickly within the window, or slowly in all the time since
+              quickly within the window, or slowly in all the time since. Where depth and fixes
+              say that it floats, only what comes nearer quickly: it drifts over slopes
     leaps     it is elsewhere at once, and stays there
     rate      it moves faster than a body does
     offset    fixes come as at the surface, nothing pushes down, and it is 0.8 m or more off 0, and
@@ -198,7 +199,11 @@ class DepthBelief:
             under = quiet is None or quiet > _FIXES_GO
             self._contradict(t, says, moves=self._way > 0 or under)
             self._by_fixes = not self._moves
-        elif self._still_at <= whole and t - self._moved_at >= _AT_REST and (by := self._ground(t)):
+        elif (
+            self._still_at <= whole
+            and t - self._moved_at >= _AT_REST
+            and (by := self._ground(t, abs(depth) < FIX_DEPTH and receiver.settled(t) >= AGREES))
+        ):
             says = f"the ground comes nearer by {by:.1f} m and it stands at {depth:.1f} m"
             self._contradict(t, says, moves=True)
 
@@ -218,7 +223,7 @@ class DepthBelief:
         calm = self._calm_at < math.inf
         return calm and receiver.settled(t) > 0.0 and not self._travels(moved)
 
-    def _ground(self, t: float) -> float:
+    def _ground(self, t: float, afloat: bool) -> float:
         """m by which the ground came nearer (negative: went) between the halves, evenly; 0: not."""
         seen = [(s.t, s.altitude) for s in self._samples if s.altitude is not None]
         older = [a for at, a in seen if at < t - 0.5 * WINDOW]
@@ -232,15 +237,15 @@ class DepthBelief:
             if not -noise <= (a - b) * way <= rate * (bt - at) + noise:
                 self._ground_from = None
                 return 0.0
-        if abs(nearer) >= _CLOSING:
+        if nearer >= _CLOSING or (nearer <= -_CLOSING and not afloat):
             return nearer
-        return self._slowly(t, sum(newer) / len(newer))
+        return self._slowly(t, sum(newer) / len(newer), afloat)
 
-    def _slowly(self, t: float, altitude: float) -> float:
+    def _slowly(self, t: float, altitude: float, afloat: bool) -> float:
         """m by which the ground has come nearer since the depth stands and nothing drives, 0 where
-        it has not: 5 cm/s are 3 m in a minute."""
+        it has not: 5 cm/s are 3 m in a minute. Not of what floats."""
         begun = self._ground_from
-        if begun is None or begun[0] < max(self._moved_at, self._still_at):
+        if afloat or begun is None or begun[0] < max(self._moved_at, self._still_at):
             self._ground_from = t, altitude
             return 0.0
         nearer = begun[1] - altitude

@@ -13,10 +13,9 @@ from __future__ import annotations
 import math
 import struct
 from collections.abc import Callable
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
 from protocol.checksum import stm32_checker
-from protocol.drafts import TelemetryDraft
 from protocol.framing import Stretch, fault
 from protocol.messages import Telemetry
 
@@ -41,7 +40,8 @@ def sd_reader(
     """A ``Shortcut.read``; ``layout`` is that of the frame's table, the scales are volts per count
     of the batteries."""
     unpack: Callable[[bytes, int], _Row] = layout.unpack_from
-    agrees, draft_of, telemetry_class = stm32_checker(80), TelemetryDraft, Telemetry
+    agrees = stm32_checker(80)
+    made: Callable[[type[Telemetry], tuple[object, ...]], Telemetry] = tuple.__new__
     turn, degree, fractions = _TURN, _DEGREE, _FRACTIONS
 
     def read(data: bytes, at: int, last: int, base: int, t: float) -> Stretch:
@@ -67,34 +67,29 @@ def sd_reader(
                 and (altitude - altitude == 0.0 or altitude != altitude)  # not infinite
             ):
                 break
-            draft: Any = draft_of()
             try:
                 # fmt: off
-                draft.actuators = (fractions[p1], fractions[p2], fractions[p3], fractions[p4],
-                                   fractions[p5], fractions[p6], fractions[p7])
+                actuators = (fractions[p1], fractions[p2], fractions[p3], fractions[p4],
+                             fractions[p5], fractions[p6], fractions[p7])
                 # fmt: on
             except IndexError:
                 break
-            draft.t = t
-            draft.depth = depth
             echo = altitude == altitude  # none: every second frame, maybe
-            draft.altitude, draft.faults = (altitude, ()) if echo else (None, _NO_ECHO)
-            draft.heading = -(yaw * degree) % turn
-            draft.pitch = pitch * degree
-            draft.roll = roll * degree
-            draft.temperature_c = temperature
             # fmt: off
-            draft.magnetic = (fx * 1e-6, fy * 1e-6, fz * 1e-6, lx * 1e-6, ly * 1e-6, lz * 1e-6,
-                              rx * 1e-6, ry * 1e-6, rz * 1e-6)
+            magnetic = (fx * 1e-6, fy * 1e-6, fz * 1e-6, lx * 1e-6, ly * 1e-6, lz * 1e-6,
+                        rx * 1e-6, ry * 1e-6, rz * 1e-6)
+            report = made(Telemetry, (
+                t, depth, altitude if echo else None,
+                -(yaw * degree) % turn, pitch * degree, roll * degree,
+                temperature, magnetic, actuators,
+                (control * control_scale, power * power_scale),
+                None, None, None, () if echo else _NO_ECHO, (),
+            ))
             # fmt: on
-            draft.batteries = (control * control_scale, power * power_scale)
-            draft.position = draft.velocity = draft.leak = None
-            draft.board = ()
-            draft.__class__ = telemetry_class
             if at != stop:
                 items.append(fault(base + stop, "bad_header", at - stop))
                 gaps += 1
-            items.append(draft)
+            items.append(report)
             at = stop = at + LENGTH
             if at <= last and data[at] != 0x40:
                 at = data.find(b"@", at)

@@ -154,7 +154,12 @@ def test_the_dives_of_a_log_teach_no_drift_to_itself() -> None:
 
 
 def later(log: list[Telemetry | Fix], seconds: float) -> list[Telemetry | Fix]:
-    return [replace(item, t=item.t + seconds) for item in log]
+    return [
+        item._replace(t=item.t + seconds)
+        if isinstance(item, Telemetry)
+        else replace(item, t=item.t + seconds)
+        for item in log
+    ]
 
 
 def pace(share: float, minutes: float) -> tuple[float, float]:

@@ -2,7 +2,7 @@
 
     python tests/bench/bench_tricks.py
 
-    drafts       a frozen value is filled as a draft, which then becomes one (``__class__``)
+    tuples       a named tuple is made as a tuple is, past its own constructor (``tuple.__new__``)
     collector    work during which Python's cyclic collector is off (``mission.onboard.uncollected``),
                  and what was imported taken out of its sight (``mission.onboard.serve.preload``)
     switching    how soon a busy thread gives way to the loop (``sys.setswitchinterval``)
@@ -21,9 +21,7 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
-from dataclasses import fields
 from pathlib import Path
-from typing import Any
 from unittest import mock
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -36,7 +34,6 @@ from mission.authoring.prepare import prepare  # noqa: E402
 from mission.onboard.serve.foreground import SWITCH_S  # noqa: E402
 from mission.onboard.uncollected import uncollected  # noqa: E402
 from mission.verification.simulation import flight  # noqa: E402
-from protocol.drafts import TelemetryDraft  # noqa: E402
 from protocol.framing import fault  # noqa: E402
 from protocol.messages import FrameFault, Telemetry  # noqa: E402
 from protocol.vehicles.auv import AuvCodec  # noqa: E402
@@ -55,7 +52,7 @@ def main() -> dict[str, float]:
     flown, _ = collecting(fly, mock.patch.object(flight, "uncollected", contextlib.nullcontext))
     seen, frozen = looking()
     late, soon = lateness(0.005), lateness(SWITCH_S)
-    say(f"a fault {faults:.1f}, a report {reports:.1f} times as long by its frozen class\n")
+    say(f"a fault {faults:.1f}, a report {reports:.1f} times as long by its constructor\n")
     say(
         f"judging {LEGS} legs {judged:.2f}, a flight {flown:.2f} times as long with the collector\n"
     )
@@ -86,7 +83,7 @@ def ratio(without: Work, with_it: Work, rounds: int) -> float:
     return min(t for t, _ in took) / min(t for _, t in took)
 
 
-# --- drafts ---------------------------------------------------------------------------------------
+# --- tuples ---------------------------------------------------------------------------------------
 
 
 def a_fault() -> float:
@@ -100,19 +97,12 @@ def a_report() -> float:
     """As the stream's reader makes it, without what it reads."""
     (report, *_) = AuvCodec().receive(frames(random.Random(1))[0], 0.0)
     assert isinstance(report, Telemetry)
-    names = [field.name for field in fields(Telemetry)]
-    values = [getattr(report, name) for name in names]
-    lines = "".join(f" draft.{name} = {name}\n" for name in names)
-    text = (
-        f"def drafted({', '.join(names)}):\n draft = Draft()\n{lines} draft.__class__ = Telemetry\n"
-    )
-    made: dict[str, Any] = {"Draft": TelemetryDraft, "Telemetry": Telemetry}
-    exec(text + " return draft\n", made)
-    drafted = made["drafted"]
-    assert drafted(*values) == report
+    made: Callable[..., Telemetry] = tuple.__new__
+    assert made(Telemetry, tuple(report)) == report
+    named = dict(zip(Telemetry._fields, report, strict=True))
     return ratio(
-        lambda: [Telemetry(*values) for _ in range(MADE)],
-        lambda: [drafted(*values) for _ in range(MADE)],
+        lambda: [Telemetry(**named) for _ in range(MADE)],
+        lambda: [made(Telemetry, (*report,)) for _ in range(MADE)],
         SHORT_ROUNDS,
     )
 

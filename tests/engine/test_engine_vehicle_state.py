@@ -19,7 +19,7 @@ _METRE = 1.0 / 6371008.8
 
 def report(t: float, **values: object) -> Telemetry:
     base = Telemetry(t=t, depth=0.2, altitude=9.0, heading=1.0, actuators=NEUTRAL)
-    return replace(base, **values)
+    return base._replace(**values)
 
 
 def fix(t: float, north: float = 0.0, **values: object) -> Fix:

@@ -203,7 +203,7 @@ def heard(one: LimitMonitor, t: float, **report: object) -> None:
         t=t, depth=5.0, altitude=9.0, heading=0.0, actuators=NEUTRAL, batteries=(12.0, 48.0)
     )
     one.vehicle_state.at(t)
-    one.vehicle_state.take_telemetry(replace(base, **report))
+    one.vehicle_state.take_telemetry(base._replace(**report))
     one.take_report()
 
 

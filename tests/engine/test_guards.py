@@ -104,11 +104,11 @@ def test_comparisons_mean_what_they_say():
 
 def test_a_heading_is_compared_the_short_way_round():
     north = scope()
-    north.telemetry = replace(REPORT, heading=math.radians(5.0))
+    north.telemetry = REPORT._replace(heading=math.radians(5.0))
     assert ask(Comparison("heading", ">", math.radians(355.0)), north) is True
     assert ask(Comparison("heading", "<", math.radians(10.0)), north) is True
     for heading, below in ((170.0, False), (190.0, True), (260.0, True), (350.0, True)):
-        north.telemetry = replace(REPORT, heading=math.radians(heading))
+        north.telemetry = REPORT._replace(heading=math.radians(heading))
         assert ask(Comparison("heading", "<", 0.0), north) is below
         assert ask(Comparison("heading", ">", 0.0), north) is not below
 
@@ -243,7 +243,7 @@ def test_sure_means_either_side_of_a_distribution(operator: str, less: int):
 
 def test_sure_of_a_heading_asks_the_short_way_round():
     at = scope(sigmas={"heading": 0.1})
-    at.telemetry = replace(REPORT, heading=0.1)
+    at.telemetry = REPORT._replace(heading=0.1)
     assert ask(Comparison("heading", ">", math.tau - 0.3, 0.9), at) is True
     assert ask(Comparison("heading", "<", math.tau - 0.3, 0.9), at) is False
 

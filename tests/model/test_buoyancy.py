@@ -74,7 +74,7 @@ def test_what_is_told_is_what_it_rises_at_least() -> None:
     [
         [DAY, *reports([0.2] * (ENOUGH - 1))],
         [DAY, *reports([0.2] * 5, thrust=-0.3)],
-        [DAY, *(replace(r, actuators=None) for r in reports([0.2] * 5))],
+        [DAY, *(r._replace(actuators=None) for r in reports([0.2] * 5))],
         [DAY, *(r for r in reports([0.2] * 5) if r.t % 30.0 in (0.0, 2.0, 16.0))],
         reports([0.2] * 5),
     ],

@@ -97,6 +97,22 @@ def test_ground_that_comes_nearer_or_goes_while_the_depth_stands_contradicts_it(
     assert reason.startswith("contradicted: the ground comes nearer")
 
 
+@pytest.mark.parametrize("rate", [0.05, -0.05, -0.3, -0.8])
+def test_what_floats_by_depth_and_fixes_may_drift_over_any_slope(rate):
+    """Without fixes it may be sinking, or rising, with a port that is clogged."""
+    for fixes in (True, False):
+        dive = Dive(noise=0.02)
+        dive.go(80.0, REST, at(0.2), at(60.0), fixes=True)
+        reason = dive.go(120.0, REST, at(0.2), lambda s: 60.0 - rate * s, fixes=fixes)
+        assert bool(reason) is not fixes
+
+
+def test_what_floats_by_depth_and_fixes_and_comes_nearer_the_ground_quickly_sinks_maybe():
+    dive = Dive(noise=0.02)
+    dive.go(80.0, REST, at(0.2), at(60.0), fixes=True)
+    assert dive.go(30.0, REST, at(0.2), lambda s: 60.0 - 0.3 * s, fixes=True) != ""
+
+
 def test_a_depth_that_goes_faster_than_a_body_does_is_contradicted():
     assert "no body" in Dive().go(16.0, HOLD, lambda s: 40.0 - 1.8 * s)
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
 import pytest
 
@@ -29,7 +28,7 @@ def report(i: int, **fields: object) -> Telemetry:
         actuators=_MOVING,
         leak=False,
     )
-    return replace(base, **fields)  # type: ignore[arg-type]
+    return base._replace(**fields)  # type: ignore[arg-type]
 
 
 def after(*reports: Telemetry) -> SensorHealth:
@@ -186,7 +185,7 @@ def stuck(thrust: float, fixes: int = 8) -> tuple[SensorHealth, list[bool]]:
     for i in range(fixes):
         if i % 2 == 0:
             afloat = report(i // 2, depth=0.2 + 0.001 * i)
-            health.telemetry(replace(afloat, actuators=(thrust,) * 2 + (0.0,) * 3))
+            health.telemetry(afloat._replace(actuators=(thrust,) * 2 + (0.0,) * 3))
         believed.append(health.fix(Fix(float(i), 0.5, 2.0, 2.5)))
     return health, believed
 

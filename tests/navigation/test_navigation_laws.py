@@ -315,7 +315,7 @@ def test_without_the_compass_the_position_becomes_uncertain_soon(
     blind = [
         (
             truth,
-            replace(item, heading=None) if isinstance(item, Telemetry) and truth.t > 210 else item,
+            item._replace(heading=None) if isinstance(item, Telemetry) and truth.t > 210 else item,
         )
         for truth, item in dive[:400]
     ]
@@ -436,7 +436,7 @@ def test_a_vehicle_without_any_compass_may_be_on_any_side(vehicle: Vehicle) -> N
     nav = Navigation(vehicle, HOME)
     track = sail(Sea(current=(0.0, 0.0), bias=0.0), 10.0, 80.0, 3)
     dumb = [
-        (t, replace(i, heading=None) if isinstance(i, Telemetry) else i)
+        (t, i._replace(heading=None) if isinstance(i, Telemetry) else i)
         for t, i in track
         if t.t < 80.0
     ]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import math
 import random
 from dataclasses import replace
@@ -162,10 +161,10 @@ def test_another_checksum_goes_the_ordinary_way() -> None:
 
 def test_the_shortcuts_telemetry_is_frozen_like_any_other() -> None:
     message = one()
-    with pytest.raises(dataclasses.FrozenInstanceError):
+    with pytest.raises(AttributeError):
         message.depth = 1.0  # type: ignore[misc]
-    assert dataclasses.replace(message, depth=1.0).depth == 1.0
-    assert hash(message) == hash(dataclasses.replace(message))
+    assert message._replace(depth=1.0).depth == 1.0
+    assert hash(message) == hash(Telemetry(**message._asdict()))
 
 
 def test_acknowledgements_and_faults_come_in_order() -> None:

@@ -14,7 +14,6 @@ import os
 import re
 import select
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import replace
 from random import Random
 from typing import Any
 
@@ -161,7 +160,7 @@ def what_is_not_to_be_believed_breaches_no_limit(row: Limit) -> None:
         world.nav.doubt[need] = "absurd"
     world.nav.mode = NavigationMode.NONE
     if row.name == "leak":
-        world.report = lambda report=world.report, **more: replace(report(**more), leak=None)  # type: ignore[method-assign]
+        world.report = lambda report=world.report, **more: report(**more)._replace(leak=None)  # type: ignore[method-assign]
     case.trips(world)
     taken = {e.trigger for s in world.steps for e in s.evaluations}
     assert f"limit {row.name}" not in taken

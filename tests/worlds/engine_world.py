@@ -182,7 +182,7 @@ class World:
             batteries=(12.0, 48.0),
             leak=self.leak,
         )
-        return replace(base, **changes)
+        return base._replace(**changes)
 
     def _told_depth(self) -> float | None:
         odd = math.floor(self.t / 2.0) % 2.0

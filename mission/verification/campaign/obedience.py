@@ -50,11 +50,11 @@ def orders(
 ) -> Iterator[Ignored]:
     """``means``: the words of X and W that bytes to the vehicle are."""
     waits: tuple[Said, bytes] | None = None
-    lives, heard = True, False  # in the turn of another way
+    lives, heard, excused = True, False, False  # in the turn of another way; as it was said
     for event in events:
         if waits is not None and event.t > waits[0].t + WITHIN + _SAME:
             said, frame = waits
-            if not (heard and frame == EMERGENCIES[Order.SURFACE]):
+            if not ((heard or excused) and frame == EMERGENCIES[Order.SURFACE]):
                 yield Ignored(said.t, f"{frame!r} of {said.address or said.link}: nothing left")
             waits = None
         match event:
@@ -64,7 +64,7 @@ def orders(
                 if up and waits is not None and waits[1] == EMERGENCIES[Order.SURFACE]:
                     waits = None  # the surface is proved, and what is there is stopped
             case Said(data=data) if lives and (found := _ORDER.findall(data)):
-                waits = (event, found[-1])
+                waits, excused = (event, found[-1]), heard
             case Done(act=Act.KILL | Act.STALL):
                 waits, heard = None, False
                 lives = event.act is not Act.KILL and lives

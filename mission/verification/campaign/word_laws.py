@@ -234,10 +234,12 @@ def _ends_on_its_way_up(story: Story) -> Iterator[Violation]:
 
 
 def _is_unseen(story: Story, gone: float) -> bool:
-    """A clogged port showed the surface, and it is on its way there; or the port clogged there."""
+    """A clogged port, or a drift, showed the surface, and it is on its way there; or the port
+    clogged there."""
     rises = story.depth(gone - 5.0) - story.depth(gone) > _RISES
-    there = any(story.depth(f.begin) < _UP for f in story.faults(("depth_stuck",), gone, gone))
-    return (rises or there) and story.faulty(("depth_stuck",), gone, gone)
+    clogged = story.faults(("depth_stuck",), gone, gone)
+    there = any(story.depth(fault.begin) < _UP for fault in clogged)
+    return there or (rises and story.faulty(("depth_stuck", "depth_drifting"), gone, gone))
 
 
 def _has_word(story: Story, begin: float, end: float) -> bool:

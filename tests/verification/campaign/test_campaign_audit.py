@@ -217,6 +217,19 @@ def test_no_w_leaves_behind_an_ascent_that_has_ended() -> None:
     assert held_back(said(5.0, b"@ZAX0$"), up) == 1
 
 
+def test_a_w_said_again_as_the_turn_of_its_way_ends_leaves_no_more() -> None:
+    """As flight 9128 of seed 4808: the next way was due 20 ms later."""
+    heard = Step(
+        5.0, "", (), (), (SURFACING,), ("emergency surfacing: W", "surge 0 heave -1: W"), "W"
+    )
+    said_twice = (said(5.0, b"@ZAWF$"), heard, sent(5.0, b"@ZAWF$"), said(15.0, b"@ZAWF$"))
+    ended = (step(15.02, "everything stopped: no less"), sent(15.02, b"@ZAX0$"))
+    first = (sent(5.9, b"@ZAX0$"), sent(6.0, b"@ZAU12$"))
+    events = sorted((*said_twice, *first, *ended), key=lambda event: event.t)
+    assert held_back(*events) == 0
+    assert held_back(*events, said(16.0, b"@ZAWF$")) == 1
+
+
 def test_every_frame_of_a_set_leaves_within_5_s() -> None:
     both = (sent(1.1, b"@ZAS4$"), sent(5.9, b"@ZAH-90,6$"))
     assert held_back(*STARTED, *both) == 0
