@@ -163,8 +163,8 @@ BENCHES = (
         "tricks, without by with",
         lambda module: module.main(),
         (
-            Figure("fault_ratio", "a fault by its frozen class, of one by a draft", "x", 1.5, True),
-            Figure("report_ratio", "a report by its frozen class, of a draft", "x", 2.0, True),
+            Figure("fault_ratio", "a fault by its constructor, of one as a tuple", "x", 1.2, True),
+            Figure("report_ratio", "a report by its constructor, of one as a tuple", "x", 1.5, True),
             Figure("judge_ratio", "judging with the collector, of without", "x", 1.03, True),
             Figure("flight_ratio", "a flight with the collector, of without", "x", 1.0, True),
             Figure("freeze_ratio", "a collection before freezing, of after", "x", 10.0, True),
