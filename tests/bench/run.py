@@ -164,7 +164,9 @@ BENCHES = (
         lambda module: module.main(),
         (
             Figure("fault_ratio", "a fault by its constructor, of one as a tuple", "x", 1.2, True),
-            Figure("report_ratio", "a report by its constructor, of one as a tuple", "x", 1.5, True),
+            Figure(
+                "report_ratio", "a report by its constructor, of one as a tuple", "x", 1.5, True
+            ),
             Figure("judge_ratio", "judging with the collector, of without", "x", 1.03, True),
             Figure("flight_ratio", "a flight with the collector, of without", "x", 1.0, True),
             Figure("freeze_ratio", "a collection before freezing, of after", "x", 10.0, True),

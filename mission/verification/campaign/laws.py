@@ -54,6 +54,7 @@ from mission.verification.campaign.excuses import (
     helpless,
     left,
     lied,
+    overturned_untold,
     spoils_a_turn,
     unknown_and_heavy,
     untamed,
@@ -119,7 +120,7 @@ def violations(
     )
     found += [Violation(IGNORED, i.t, i.says) for i in late]
     flown = list(spans(trial, mission, vehicle))
-    found += _depths(trial, flown, _dive(settings, profile, trial))
+    found += _depths(trial, flown, dive(settings, profile, trial))
     if vehicle.codec == "auv" or "position" in vehicle.reports:  # else the limit is disarmed
         found += _ranges(trial, flown, settings, mission.home is not None)
     found += _times(trial, flown)
@@ -193,8 +194,11 @@ def _number(text: bytes) -> float | None:
 # --- depth ---------------------------------------------------------------------------------------
 
 
-def _dive(settings: Settings, profile: str, trial: Trace) -> float:
-    """m that a dive may go on beyond its bound."""
+def dive(settings: Settings, profile: str, trial: Trace) -> float:
+    """m that a dive may go on beyond its bound. Physics: pushes lead down what lies upside down
+    for good, and nothing tells that."""
+    if overturned_untold(settings, trial.events):
+        return math.inf
     body = settings.body
     heavy = sum(f.value or 8.0 for f in settings.faults if f.name == "heavy")
     thrust = 3.0 * body.vertical_thrust - (body.buoyancy - heavy)

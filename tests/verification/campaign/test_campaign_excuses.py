@@ -8,7 +8,15 @@ from dataclasses import replace
 import pytest
 
 from links.simulated.settings import FaultEvent, Settings, parse_settings
-from mission.model import SURFACED, SURFACING, Evaluation, Step, Tx
+from mission.model import (
+    SURFACED,
+    SURFACING,
+    Estimate,
+    Evaluation,
+    NavigationMode,
+    Step,
+    Tx,
+)
 from mission.onboard.runtime.runtime import VEHICLE
 from mission.verification.campaign.audit import audit
 from mission.verification.campaign.calm import alarms, calm
@@ -28,9 +36,10 @@ from mission.verification.campaign.excuses import (
 )
 from mission.verification.campaign.faults import shipped, subjects
 from mission.verification.campaign.home import lost
+from mission.verification.campaign.laws import dive
 from mission.verification.campaign.scene_texts import mission_of
 from mission.verification.rig.acts import Act
-from mission.verification.rig.trace import Done, Event, Heard, Said, Trace
+from mission.verification.rig.trace import Done, Event, Heard, Said, Told, Trace
 from mission.verification.rig.vehicle import flown, simulated
 from protocol.vehicles.auv import SD
 
@@ -241,6 +250,20 @@ def test_what_sank_and_was_up_again_as_its_fixes_told_it_is_held_up(deep, at, lo
     held = replace(trial, track=tuple(track), truth=track[-1], turning=True)
     assert lost(held, "documented", Settings()).startswith(lost_by)
     assert bool(lost(held, "documented", Settings())) is bool(lost_by)
+
+
+def test_what_lies_upside_down_for_good_and_nothing_tells_it_may_go_down_to_the_ground() -> None:
+    """As flight 3248 of seed 4909: its board had fallen silent three seconds before."""
+    over, silent = FaultEvent("capsized", 20.0, 1e6), FaultEvent("stm32_silent", 17.0, 1e6)
+    at = Estimate(*(0.0,) * 10, (1.0, 0.0, 1.0), {}, None, None, NavigationMode.NONE)
+    before, behind = ((Told(t, at._replace(t=t)),) for t in (16.0, 25.0))
+    for faults, told, untold in (
+        ((over, silent), before, True),
+        ((over, silent), behind, False),
+        ((silent,), before, False),
+    ):
+        trial = seen(told, SURFACING)
+        assert math.isinf(dive(Settings(faults=faults), "documented", trial)) is untold
 
 
 def test_a_dive_that_begins_in_a_turn_of_full_thrust_costs_a_round() -> None:
