@@ -35,6 +35,7 @@ from mission.verification.rig.trace import Trace
 AFLOAT = 0.5  # m (R7)
 HELD = 3.0  # m of a body that its thrusters hold up
 SANK = 0.6  # m: 1 m by a sensor that may be 0.4 m off (R7, at rest)
+UNDER, ENDED = 0.3, 6  # m, s: an antenna under water, and fixes that have ended for so long
 TOLD = 10  # s until fixes that end have told it (R7, at rest)
 WHOLE_ROUND = 50.0  # s of an ascent's three ways, the last two of them twice as long
 
@@ -101,7 +102,11 @@ def _sank(trial: Trace) -> bool:
         again = before == SURFACED and state == SURFACING and event.trigger == "limit"
         second = min(int(event.t), len(trial.track) - 1)
         seen = trial.track[max(second - TOLD, 0) : second + 1]
-        if again and any(place.depth > SANK for place in seen):
+        deep, under = (
+            any(p.depth > SANK for p in seen),
+            all(p.depth > UNDER for p in seen[-ENDED:]),
+        )
+        if again and (deep or under):
             return True
         before = state
     return False

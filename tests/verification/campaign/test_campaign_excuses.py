@@ -233,10 +233,17 @@ def test_the_else_of_a_leg_without_an_echo_is_a_false_alarm_where_the_altimeter_
 
 
 @pytest.mark.parametrize(
-    ("deep", "at", "lost_by"), [(0.7, 20, ""), (0.7, 8, "its thrusters turn"), (0.2, 20, "its")]
+    ("deep", "when", "lost_by"),
+    [
+        (0.7, (20,), ""),
+        (0.7, (8,), "its thrusters turn"),
+        (0.4, range(15, 26), ""),
+        (0.4, (20,), "its thrusters turn"),
+        (0.2, range(15, 26), "its thrusters turn"),
+    ],
 )
-def test_what_sank_and_was_up_again_as_its_fixes_told_it_is_held_up(deep, at, lost_by) -> None:
-    """As flight 2405 of seed 4707."""
+def test_what_sank_out_of_surfaced_as_its_fixes_tell_is_held_up(deep, when, lost_by) -> None:
+    """As flights 2405 of seed 4707, up again by then, and 5224 of seed 5010, 0.1 N too heavy."""
     steps = [
         Step(t, "", (), (), (state,), (), trigger, None)
         for t, state, trigger in (
@@ -246,7 +253,7 @@ def test_what_sank_and_was_up_again_as_its_fixes_told_it_is_held_up(deep, at, lo
         )
     ]
     trial = seen(tuple(steps), SURFACED)
-    track = [trial.truth._replace(t=float(t), depth=deep if t == at else 0.2) for t in range(50)]
+    track = [trial.truth._replace(t=float(t), depth=deep if t in when else 0.2) for t in range(50)]
     held = replace(trial, track=tuple(track), truth=track[-1], turning=True)
     assert lost(held, "documented", Settings()).startswith(lost_by)
     assert bool(lost(held, "documented", Settings())) is bool(lost_by)
