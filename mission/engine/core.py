@@ -280,9 +280,8 @@ class Core(EngineState):
         elif self._sank and (lift := self.ascent.lifts(now, depth, overturned or doubtful)):
             self._record(lift)
         elif self.ascent.is_up(now):
-            held = self._sank and self.ascent.pushes_up
             why = f"{self.reason}; at the surface"
-            if held:
+            if held := self._sank and self.ascent.pushes_up:
                 why = f"{why}, and held up: it sank when it was let go"
                 self.stop_at = self.stopped_at = None  # of an earlier turn of the ascent
             self.let_go_at = -math.inf if held else self.now
@@ -294,8 +293,8 @@ class Core(EngineState):
         """Looks, with each report, for a vehicle that sinks although everything is stopped, or that
         stays deep after X; brings it up, each time that happens (R7)."""
         kind = ("stopped" if self.active == STOPPED else "rest") if self._rests else ""
-        if kind != self._rested:
-            self._rested = kind
+        if kind != self.rested:
+            self.rested = kind
             proved = self.active == SURFACED and self.let_go_at > -math.inf
             unseen = self.vehicle_state.depth is None and not proved
             self.rest.begin(SURFACE_DEPTH if proved else math.nan, unseen=unseen)
@@ -343,11 +342,12 @@ class Core(EngineState):
 
     def stick_forgotten(self) -> None:
         """Ends manual a minute after the last M: idle at the surface; surfacing where it is deeper,
-        or where the depth is not known."""
+        or where the depth is not known, once AUTO is open: until then nothing turns by itself."""
         depth = self.vehicle_state.depth
         if depth is None or depth >= SURFACE_DEPTH:
             seen = "the depth is not known" if depth is None else f"{depth:.1f} m deep"
-            self.surface("forgotten", f"no M for a minute, and {seen}", By.LIMIT)
+            if self.auto:
+                self.surface("forgotten", f"no M for a minute, and {seen}", By.LIMIT)
             return
         self.halt_run()
         self.emergency_since_idle = False

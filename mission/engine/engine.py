@@ -248,7 +248,7 @@ class Engine:
             return
         if core.now >= core.stick + self._forgotten_after:
             core.stick_forgotten()
-        elif core.active == MANUAL_DRIVING and core.now >= core.stick + STICK_QUIET:
+        if core.active == MANUAL_DRIVING and core.now >= core.stick + STICK_QUIET:
             core.stick_silent()
 
     # --- time ------------------------------------------------------------------------------------

@@ -5,6 +5,7 @@
                                  nobody saw before, it is known only after five reports with a
                                  thruster on whether it is frozen
     stopped, surfaced        --> the same again, everything stopped: the vehicle may be on deck
+                                 (what was surfaced was up: deeper now, it has sunk meanwhile)
     the stick alone          --> stopped, idle
     nothing                  --> idle; X0 where reports show a thruster on all the same, since a
                                  program may have ended between a word and the record of it
@@ -52,6 +53,8 @@ def begin_again(core: Core, before: Restarted) -> None:
         core.stop_quietly(why)
     elif before.during in (STOPPED, SURFACED):
         core.stop_in("restart", before.during, why)
+        if before.during == SURFACED:
+            core.let_go_at, core.rested = core.now, ""
     elif before.during == UNKNOWN:
         core.stop_in("restart", STOPPED, why)
         core.deep_reports = 0

@@ -55,7 +55,7 @@ class EngineState:
         self.clear_refused = -math.inf  # the last @AC that was
         self.outputs = OutputKeeper(vehicle.outputs)
         self.rest = Rest(vehicle.limits.descent_rate)
-        self._rested = "rest"  # the kind of rest that it watches, "" where it is under way
+        self.rested = "rest"  # the kind of rest that it watches, "" where it is under way
         self._sank = False  # out of surfaced: let go, it would sink again
         self.let_go_at = -math.inf  # when an ascent last ended with everything stopped
         self.auto = True  # node AUTO

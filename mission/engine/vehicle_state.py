@@ -113,7 +113,7 @@ class VehicleState:
         self.command: Setpoint | None = None  # in force at the vehicle
         self._position_at = -math.inf  # of the vehicle's own positions, the last one used
         self._shallow_since: float | None = -math.inf if grounded else None
-        self._told_depth: float | None = None  # the last one that could be believed, of any age
+        self._told: tuple[float | None, float] = None, -math.inf  # the last depth to believe; s
         self._moved_at = self._expected = -math.inf  # it changed; from then on it has to
         self._offset: float | None = None  # compass minus true heading
         self._healths: dict[str, Health] = {}  # asked for at this instant
@@ -169,13 +169,14 @@ class VehicleState:
 
     def expect_change(self) -> None:
         """Of a depth that nobody saw before: one that stands still proves no surface."""
-        self._expected, self._told_depth = self.now, None
+        self._expected, self._told = self.now, (None, -math.inf)
 
     def _has_changed(self, depth: float) -> bool:
-        """Notes a depth that can be believed; whether it lives."""
-        if depth != self._told_depth is not None:
+        """Notes a depth to believe; whether it lives. Another one behind a silence may not."""
+        before, at = self._told
+        if depth != before is not None and self.now - at <= self._stale_after:
             self._moved_at = self.now
-        self._told_depth = depth
+        self._told = depth, self.now
         return self._lives
 
     @property

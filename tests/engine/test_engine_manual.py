@@ -13,6 +13,7 @@ from mission.model import (
     MANUAL_DRIVING,
     MANUAL_WAITING,
     SURFACING,
+    AutoNode,
     Group,
 )
 from mission.model.shipped import load_vehicle
@@ -50,6 +51,32 @@ def test_while_m_arrives_every_z_is_held_back():
     drive(world, 100.0)
     assert len(world.actions) == begun
     assert world.state == MANUAL_DRIVING
+
+
+@pytest.mark.parametrize("depth", [None, 4.8])
+def test_a_stick_that_is_forgotten_turns_nothing_while_auto_is_closed(depth):
+    """Somebody works on the vehicle: it surfaces as soon as the node is open again."""
+    world = World(mission(leg("a", timeout=400.0)))
+    world.depth = depth
+    drive(world, 3.0)
+    world.tell(AutoNode(False))
+    begun = len(world.actions)
+    world.wait(300.0)
+    assert world.state == MANUAL_WAITING
+    assert {a.command for _, a in world.actions[begun:]} <= {Order.STOP}
+    world.tell(AutoNode(True))
+    assert world.state == SURFACING
+
+
+def test_a_stick_that_is_forgotten_as_the_program_stood_still_with_auto_closed_stops():
+    world = World(mission(leg("a", timeout=400.0)))
+    world.tell(world.report(), AutoNode(False))
+    world.depth = 4.8
+    drive(world, 3.0)
+    world.t += 90.0
+    world.tell(world.report())
+    assert world.state == MANUAL_WAITING
+    assert world.commands()[-1] is Order.STOP
 
 
 def test_two_seconds_of_silence_stop_everything_and_bring_reports_back():

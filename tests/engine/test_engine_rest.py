@@ -292,6 +292,16 @@ def test_what_came_to_rest_unseen_and_rises_is_left_alone_and_no_longer_unseen_t
     assert world.state == IDLE_READY
 
 
+@pytest.mark.parametrize(("depth", "up"), [(23.9, True), (1.6, True), (0.9, False)])
+def test_what_was_surfaced_before_a_restart_and_lies_deep_has_sunk_meanwhile(depth, up):
+    world = World(navigation=False)
+    world.depth = depth
+    world.tell(Restarted(SURFACED))
+    world.wait(12.0)
+    assert (world.state == SURFACING) is up
+    assert world.commands()[-1] == (UPWARD if up else Order.STOP)
+
+
 def test_on_deck_a_depth_that_begins_to_be_known_turns_no_thruster():
     """It was not under way: a program may be started on the floor of a pool, too."""
     world = World(MISSION)

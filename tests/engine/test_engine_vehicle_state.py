@@ -256,7 +256,22 @@ def test_submerged_is_what_was_last_believed_and_no_fix_since_that_proves_the_su
     assert not vehicle_state.submerged
     navigation.doubt.clear()
     told(vehicle_state, 82.0, depth=5.1)
+    assert not vehicle_state.submerged  # behind the silence it may have frozen elsewhere
+    told(vehicle_state, 84.0, depth=5.2)
     assert vehicle_state.submerged
+
+
+def test_a_depth_that_froze_in_a_silence_proves_no_surface_though_it_is_another():
+    """As flight 17387 of seed 5010: 10 m deep, and said 0.2 m."""
+    vehicle_state = VehicleState(Navigation())
+    told(vehicle_state, 10.0, depth=0.19)
+    vehicle_state.rising_since = 20.0
+    for second in range(40, 60, 2):
+        told(vehicle_state, float(second), depth=0.21)
+    assert not vehicle_state.surfaced(20.0)
+    for second in range(60, 70, 2):
+        told(vehicle_state, float(second), depth=0.21 + 0.001 * second)
+    assert vehicle_state.surfaced(20.0)
 
 
 def test_the_report_with_which_an_ascent_begins_is_no_change_since():

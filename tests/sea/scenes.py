@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from tests.sea import (
+    afloat,
+    aids,
     ascents,
     boards,
     channels,
     doubts,
     habits,
+    leftovers,
     mixtures,
     nuisances,
     pairs,
@@ -43,4 +46,4 @@ SCENES: tuple[Scene, ...] = (
 )
 
 # Flown by `make check`; draws are from the scenes above.
-PAIRS = pairs.SCENES
+PAIRS = (*pairs.SCENES, *leftovers.SCENES, *afloat.SCENES, *aids.SCENES)

@@ -83,12 +83,12 @@ def _allowed(settings: Settings, profile: str, trial: Trace) -> float:
 
 
 def _may_turn(trial: Trace, settings: Settings) -> bool:
-    """It sank out of surfaced, or so its sensor said: a thruster holds it up (R7, at rest). Or its
+    """It sank out of surfaced, or so a sensor said: a thruster holds it up (R7, at rest). Or its
     board obeys no stop, and at rest nothing but X is said; or it turns by itself, and nothing
     tells of it."""
     if obeys_no_stop(settings, trial.events) or dives_unseen(settings, trial.truth.t):
         return True
-    said = any(f.name.startswith("depth_") for f in settings.faults)
+    said = any(f.name.startswith(("depth_", "gps_")) for f in settings.faults)
     return trial.state == SURFACED and (said or _sank(trial))
 
 

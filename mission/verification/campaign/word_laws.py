@@ -364,7 +364,8 @@ def _at_rest(state: str) -> bool:
 
 
 def _by_limit(stay: Stay) -> bool:
-    return stay.step is not None and stay.step.trigger == "limit"
+    """Or by a stick that was forgotten."""
+    return stay.step is not None and stay.step.trigger in ("limit", "forgotten")
 
 
 # --- the line ------------------------------------------------------------------------------------

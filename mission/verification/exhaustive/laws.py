@@ -147,6 +147,9 @@ def _stick_let_go(cell: Cell) -> Verdict:
 def _forgotten(cell: Cell) -> Verdict:
     if "minute" not in cell.event.causes or cell.configuration.region != "manual":
         return None
+    deep = cell.world.sea.depth >= AT_SURFACE or "depth" in cell.world.sea.unknown
+    if deep and not cell.configuration.auto:
+        return wrong((cell.state != MANUAL_WAITING, f"AUTO is closed, and then {cell.state}"))
     if cell.world.sea.depth >= AT_SURFACE:
         return wrong((cell.state != SURFACING, f"deep, and the state is {cell.state}"))
     if "depth" in cell.world.sea.unknown:
