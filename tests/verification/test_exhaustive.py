@@ -205,7 +205,7 @@ def _a_gap_is_no_doubt(patch: pytest.MonkeyPatch) -> None:
     patch.setattr(
         SensorHealth,
         "telemetry",
-        lambda self, t, push: telemetry(self, replace(t, faults=()), push),
+        lambda self, t, push: telemetry(self, t._replace(faults=()), push),
     )
 
 

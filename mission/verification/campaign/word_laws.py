@@ -234,12 +234,15 @@ def _ends_on_its_way_up(story: Story) -> Iterator[Violation]:
 
 
 def _is_unseen(story: Story, gone: float) -> bool:
-    """A clogged port, or a drift, showed the surface, and it is on its way there; or the port
-    clogged there."""
+    """A clogged port showed the surface, and it is on its way there; or the port clogged there; or
+    a drift showed it, and it is on its way there by a thrust that stays."""
     rises = story.depth(gone - 5.0) - story.depth(gone) > _RISES
     clogged = story.faults(("depth_stuck",), gone, gone)
     there = any(story.depth(fault.begin) < _UP for fault in clogged)
-    return there or (rises and story.faulty(("depth_stuck", "depth_drifting"), gone, gone))
+    drifts = story.faulty(("depth_drifting",), gone, gone)
+    words = story.words_in(gone - 60.0, gone)
+    pushed = bool(words) and words[-1].data in story.upward
+    return there or (rises and (bool(clogged) or (drifts and pushed)))
 
 
 def _has_word(story: Story, begin: float, end: float) -> bool:

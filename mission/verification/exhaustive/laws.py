@@ -343,7 +343,7 @@ def _comes_up_alone(cell: Cell) -> Verdict:
     c = cell.configuration
     if c.region != "autonomous" and not (c.region == "manual" and "minute" in cell.event.causes):
         return None
-    if c.region == "manual" and cell.world.sea.depth < AT_SURFACE:
+    if c.region == "manual" and (cell.world.sea.depth < AT_SURFACE or not c.auto):
         return None
     return wrong((cell.region != "emergency", f"the state is {cell.state}"))
 
