@@ -79,9 +79,8 @@ def sd_reader(
             magnetic = (fx * 1e-6, fy * 1e-6, fz * 1e-6, lx * 1e-6, ly * 1e-6, lz * 1e-6,
                         rx * 1e-6, ry * 1e-6, rz * 1e-6)
             report = made(Telemetry, (
-                t, depth, altitude if echo else None,
-                -(yaw * degree) % turn, pitch * degree, roll * degree,
-                temperature, magnetic, actuators,
+                t, depth, altitude if echo else None, -(yaw * degree) % turn, pitch * degree,
+                roll * degree, temperature, magnetic, actuators,
                 (control * control_scale, power * power_scale),
                 None, None, None, () if echo else _NO_ECHO, (),
             ))

@@ -47,6 +47,13 @@ def on_the_bottom(world: World, at_most: float = 300.0) -> Steps:
     world.notes.append(f"bottom={world.body.altitude < 0.5}")
 
 
+def told_again(world: World) -> Steps:
+    """The depth is back, and from now on it is to be brought up."""
+    tells(world)
+    world.mark("due")
+    yield from world.held(260)
+
+
 def node(world: World, letter: str, name: str) -> Steps:
     """The first operator closes (C) or opens (O) the node AUTO; a node that has no port stays as it is."""
     others = "OOOCC" if world.gps else "OOCCC"
@@ -87,9 +94,7 @@ def closed_in_blind_ascent(text: str = "", killed: bool = False) -> Script:
         else:
             yield from node(world, "O", "opened")
         yield from world.wait(10)
-        tells(world)
-        world.mark("due")
-        yield from world.held(260)
+        yield from told_again(world)
 
     return script
 
@@ -106,9 +111,7 @@ def closed_sank_blind(world: World) -> Steps:
     yield from on_the_bottom(world)
     yield from node(world, "O", "opened")
     yield from world.wait(10)
-    tells(world)
-    world.mark("due")
-    yield from world.held(260)
+    yield from told_again(world)
 
 
 def cleared_blind(text: str = "") -> Script:
@@ -126,9 +129,7 @@ def cleared_blind(text: str = "") -> Script:
             yield from world.wait(pause)
         world.body.buoyancy = -5.0
         yield from on_the_bottom(world)
-        tells(world)
-        world.mark("due")
-        yield from world.held(260)
+        yield from told_again(world)
 
     return script
 
@@ -143,9 +144,7 @@ def let_go_blind(world: World) -> Steps:
     boat(world).close()
     world.body.buoyancy = -4.0
     yield from world.wait(20)
-    tells(world)
-    world.mark("due")
-    yield from world.held(260)
+    yield from told_again(world)
 
 
 def blind_at_the_surface(word: str) -> Script:
@@ -161,9 +160,7 @@ def blind_at_the_surface(word: str) -> Script:
         yield from world.wait(75)
         world.body.buoyancy = -5.0
         yield from on_the_bottom(world)
-        tells(world)
-        world.mark("due")
-        yield from world.held(260)
+        yield from told_again(world)
 
     return script
 
@@ -178,9 +175,7 @@ def held_up_blind_x(world: World) -> Steps:
     yield from world.wait(3)
     boat(world).send("@ZAX0$")
     yield from on_the_bottom(world)
-    tells(world)
-    world.mark("due")
-    yield from world.held(260)
+    yield from told_again(world)
 
 
 def sank_while_off(word: str, blind: bool = False) -> Script:
