@@ -1,30 +1,26 @@
-"""What the engine can do: go to a state, stop, surface, fly a leg.
+"""What the engine can do beside a mission: stop, surface, hold up, mind the rest and the stick.
 
 Every verb leaves a Step; every command that leaves stands in a Step, with its reason.
 
-What does not live here: the state that verbs change (state), when a verb is due (engine), which
-operator may ask for it (orders).
+What does not live here: what it can do with a mission (flying), the state that verbs change
+(state), when a verb is due (engine), which operator may ask for it (orders).
 """
 
 from __future__ import annotations
 
 import math
 
-from mission.engine.areas import fences
 from mission.engine.ascent import Ascent
-from mission.engine.bounds import admit, in_force
-from mission.engine.clearance import Clearance
+from mission.engine.bounds import in_force
+from mission.engine.flying import Flying
 from mission.engine.limits import Limit
 from mission.engine.machine import Machine
-from mission.engine.rest import DEEP, DEEP_AGAIN, ENDED, UNSEEN
-from mission.engine.run import Run
-from mission.engine.state import EngineState, Moved
-from mission.engine.vehicle_state import SURFACE_DEPTH
+from mission.engine.rest import DEEP, DEEP_AGAIN, UNSEEN, Hold, fixes_end
+from mission.engine.vehicle_state import SURFACE_DEPTH, SURFACE_TIME
 from mission.model import (
     AUTONOMOUS,
     IDLE_EMPTY,
     IDLE_READY,
-    IMPLICIT_SURFACE,
     MANUAL_DRIVING,
     MANUAL_WAITING,
     STOPPED,
@@ -33,19 +29,17 @@ from mission.model import (
     Action,
     By,
     Chart,
-    Edge,
     Evaluation,
     Outcome,
     Result,
 )
 from mission.model.regions import IDLE, MANUAL
-from mission.navigation.fixes import RECENT, SETTLED
-from protocol.messages import Order, Setpoint
+from protocol.messages import Order
 
-REPEAT_STOP = 0.5  # s (R7)
+_LATER = 0.5  # s behind a report's age, and it is not believed
 
 
-class Core(EngineState):
+class Core(Flying):
     def load(self, chart: Chart | None) -> None:
         """Takes over the store's mission; machine and limits follow. Not allowed while a mission
         runs."""
@@ -62,9 +56,10 @@ class Core(EngineState):
         """Clears the mission; only called where no run is under way. A stop that is not
         acknowledged yet goes on; thrust that held up a vehicle at the surface is stopped."""
         self.chart, why = None, "cleared by the operator"
-        held_up = self.active == SURFACED and self.stop_at is self.stopped_at is None
         if self.active != IDLE_EMPTY:
-            self._move("clear", IDLE_EMPTY, why, self._stop(why) if held_up else (), By.OPERATOR)
+            self._move("clear", IDLE_EMPTY, why, self._stop(why) if self.hold else (), By.OPERATOR)
+        if self.hold is not None:
+            self.let_go_at, self.hold = self.now, None
         self.machine = Machine()
         self.emergency_since_idle = self._sank = False
         self.renew_bounds()
@@ -74,107 +69,6 @@ class Core(EngineState):
         change."""
         own = self.chart.mission.safety if self.chart else None
         self.watch.bounds = in_force(self.vehicle, own, self.operator)
-
-    def begin(self, chart: Chart) -> None:
-        """Starts the mission at its first leg."""
-        clearance = Clearance.of(chart.mission, self.vehicle)
-        self.run = Run(chart, self.now, self.ways, clearance)
-        self.watch.started = self.now
-        self.watch.fences = fences(chart.mission.areas, self.vehicle_state.place)
-        self._fly("mission started", chart.initial)
-
-    def resume(self, run: Run) -> None:
-        """Enters the interrupted leg anew; its rounds and the mission's clock have gone on."""
-        self._fly("mission resumed", run.leaf)
-
-    def _fly(self, why: str, leaf: str) -> None:
-        """Enters a leg out of idle or manual, with the history that the run has (a new run has
-        none)."""
-        assert self.run is not None
-        self.watch.begin(self.now)
-        self.stop_at = self.stopped_at = None
-        self.reason = why
-        moved = self.machine.move("start", leaf)
-        self._enter(leaf, moved, "start", None, (), history=True)
-
-    def follow(self, edge: Edge, evaluations: tuple[Evaluation, ...]) -> None:
-        """Follows an edge of the mission, to another leg or to the mission's end."""
-        assert self.run is not None
-        if edge.target == IDLE_READY:
-            moved = self.machine.fire(edge.trigger)
-            self.halt_run()
-            self.reason = "the mission is over"
-            stop = self._stop("the mission is over")
-            self._record(stop, moved, trigger=edge.trigger, by=edge.by, evaluations=evaluations)
-            return
-        if edge.by is By.TIMEOUT and (missed := self.run.missed_depth(self.vehicle_state)):
-            self.event = f"{self.event}: {missed}"
-        self.run.count(edge)
-        moved = self.machine.fire(edge.trigger)
-        self._enter(edge.target, moved, edge.trigger, edge.by, evaluations)
-
-    def _enter(
-        self,
-        leaf: str,
-        moved: Moved,
-        trigger: str,
-        by: By | None,
-        evaluations: tuple[Evaluation, ...],
-        *,
-        history: bool = False,
-    ) -> None:
-        assert self.run is not None
-        actions = self.run.enter(leaf, moved[1], self.vehicle_state, history=history)
-        actions = self._gate(actions)
-        self._record(actions, moved, trigger=trigger, by=by, evaluations=evaluations)
-
-    def enter_quietly(self, leaf: str) -> None:
-        """Enters a leg as if its set had been sent and acknowledged; nothing is sent."""
-        assert self.run is not None
-        self._gate(self.run.enter(leaf, (), self.vehicle_state, history=True))
-        self.watch.accepted_at = self.now
-
-    def _gate(self, actions: tuple[Action, ...]) -> tuple[Action, ...]:
-        """Returns the actions that may leave. A set beyond the limits counts as refused by the
-        vehicle."""
-        passed = []
-        for action in actions:
-            if isinstance(action.command, Setpoint):
-                fault = admit(action.command, self.watch.bounds, self.vehicle)
-                if fault and self.run is not None:
-                    self.run.refused = True
-                    self.reason = fault
-                    continue
-                self.watch.set_sent(action.command)
-            else:
-                self.watch.set_sent(None)
-            passed.append(action)
-        return tuple(passed)
-
-    def say(self, action: Action) -> None:
-        """Sends a command that does not touch the motion."""
-        self._record((action,))
-
-    def fly_on(self) -> None:
-        """Sends what the active leg has to send now."""
-        run = self.flying
-        if run is not None and (actions := self._gate(run.steer(self.vehicle_state))):
-            self._record(actions)
-
-    def repeat_set(self, why: str) -> None:
-        run = self.flying
-        if run is not None and (actions := self._gate(run.again(why))):
-            self._record(actions)
-
-    def halt_run(self) -> None:
-        self.run = None
-        self.watch.started, self.watch.fences = None, ()
-        self.watch.blind_since = None
-
-    def _stop(self, why: str) -> tuple[Action, ...]:
-        self.stop_at, self.stopped_at = self.now + REPEAT_STOP, None
-        self.watch.set_sent(None)
-        return (Action(Order.STOP, why),)
 
     def stop_again(self) -> None:
         """Repeats a stop every 500 ms until it is acknowledged."""
@@ -188,29 +82,36 @@ class Core(EngineState):
         self._record(self._stop(why))
 
     @property
-    def _rests(self) -> bool:
+    def rests(self) -> bool:
         """Whether the state is one in which everything is stopped."""
         return self.region == IDLE or self.active in (STOPPED, SURFACED, MANUAL_WAITING)
 
+    @property
+    def _stands(self) -> bool:
+        """Whether everything is stopped: at rest, or where a leg's ascent has ended."""
+        return self.rests or (self.flying is not None and self.flying.at_surface)
+
     def doubt_stop(self) -> None:
-        """Stops again if a report shows a thruster on after an acknowledged stop, in a state where
-        everything is stopped. An acknowledgement alone proves nothing."""
-        if self.stopped_at is not None and self._rests and self.watch.turning(self.stopped_at):
+        """Stops again if a report shows a thruster on after an acknowledged stop, where everything
+        is stopped. An acknowledgement alone proves nothing."""
+        if self.stopped_at is not None and self._stands and self.watch.turning(self.stopped_at):
             self.doubted_at = self.now
             seen = "it has way" if self.vehicle.drives else "a thruster turns"
             self._record(self._stop(f"{self.reason}: {seen} after it was stopped"))
 
     def doubt_line(self) -> None:
         """Sends again, after the line to the vehicle was away, a stop that was acknowledged, the
-        leg's set, or an ascent's way: another board may have acknowledged it, or nobody heard it.
-        Words of the stick are sent all the time anyway."""
+        leg's set, an ascent's way, or what holds it up: another board may have acknowledged it, or
+        nobody heard it. Words of the stick are sent all the time anyway."""
         self.outputs.doubt()
         run = self.flying
-        ascent = run.ascent if run is not None and run.climbing else self.ascent
+        ascent = run.ascent if run is not None and self.leg_climbs else self.ascent
         if ascent is not None:
             ascent.doubt()
             self._record((Action(ascent.way, f"{ascent.why}: the line to the vehicle was away"),))
-        elif self._rests and self.stopped_at is not None:
+        elif self.hold is not None:
+            self.hold_up("the line to the vehicle was away")
+        elif self._stands and self.stopped_at is not None:
             self._record(self._stop(f"{self.reason}: the line to the vehicle was away"))
         else:
             self.repeat_set("the line to the vehicle was away: the whole set again")
@@ -218,7 +119,7 @@ class Core(EngineState):
     def stop_in(self, name: str, state: str, why: str, by: By = By.LIMIT) -> None:
         """emergency/stopped or surfaced; ``name`` as for ``surface``."""
         self._to_emergency()
-        self.doubted_at = -math.inf
+        self.doubted_at, self.rested, self._sank = -math.inf, "", False
         self.vehicle_state.rising_since = None
         self._move(name, state, why, self._stop(why), by)
 
@@ -229,14 +130,15 @@ class Core(EngineState):
         that is under way, or that a leg has begun, goes on: to begin it anew would undo what it has
         found out. An operator's W leaves as it is, and behind it the way in use. Where that is not
         W it does so once a turn: said again and again it would keep that way from the board."""
-        run, vehicle_state = self.flying, self.vehicle_state
-        sinking = name == "limit" and self._rests
+        run, vehicle_state = self.run, self.vehicle_state
+        sinking = name == "limit" and self.rests
         self._sank = self._sank or (sinking and self.active == SURFACED)
         begun = self.ascent if self.active == SURFACING else None
-        if run is not None and run.climbing and by is By.LIMIT:
+        if run is not None and self.leg_climbs:
             begun = run.ascent
         self._to_emergency()
         self.stop_at = self.stopped_at = None
+        self.rested = ""  # what ended in between was another rest
         self.watch.set_sent(None)
         if begun is None:
             vehicle_state.rising_since = self.now
@@ -256,7 +158,7 @@ class Core(EngineState):
 
     def _to_emergency(self) -> None:
         """Ends the mission; from here the operator has to clear, or to take the stick."""
-        self.ascent = self.deep_reports = None
+        self.ascent = self.hold = self.deep_reports = None
         self.halt_run()
         self.emergency_since_idle, self.emergency_at = True, self.now
 
@@ -274,65 +176,88 @@ class Core(EngineState):
         if self.ascent is None:
             return
         now, depth, overturned, doubtful = self.vehicle_state.seen_rising
-        if not self.vehicle_state.surfaced(self.ascent.began):
+        if not self.vehicle_state.surfaced(max(self.ascent.began, now - SURFACE_TIME)):
             if actions := self.ascent.act(now, depth, overturned, doubtful):
                 self._record(actions)
         elif self._sank and (lift := self.ascent.lifts(now, depth, overturned or doubtful)):
             self._record(lift)
         elif self.ascent.is_up(now):
             why = f"{self.reason}; at the surface"
-            if held := self._sank and self.ascent.pushes_up:
+            if self._sank and self.ascent.pushes_up:
                 why = f"{why}, and held up: it sank when it was let go"
                 self.stop_at = self.stopped_at = None  # of an earlier turn of the ascent
-            self.let_go_at = -math.inf if held else self.now
-            stop = () if held else self._stop("the surface is reached")
+                self.hold = Hold(self.ascent.way, now, now)
+            self.let_go_at = -math.inf if self.hold else self.now
+            stop = () if self.hold else self._stop("the surface is reached")
             self._move("surfaced", SURFACED, why, stop, None)
             self.ascent = None
+
+    def hold_up(self, why: str) -> None:
+        """Says again what holds it up at the surface, unless nothing may turn by itself."""
+        if self.hold is not None and self.auto:
+            self.hold = Hold(self.hold.way, self.hold.since, self.now)
+            self._record((Action(self.hold.way, f"{self.reason}: {why}"),))
 
     def mind_rest(self) -> None:
         """Looks, with each report, for a vehicle that sinks although everything is stopped, or that
         stays deep after X; brings it up, each time that happens (R7)."""
-        kind = ("stopped" if self.active == STOPPED else "rest") if self._rests else ""
+        kind = ("stopped" if self.active == STOPPED else "rest") if self.rests else ""
+        state, surfaced = self.vehicle_state, self.active == SURFACED
         if kind != self.rested:
             self.rested = kind
-            proved = self.active == SURFACED and self.let_go_at > -math.inf
-            unseen = self.vehicle_state.depth is None and not proved
+            proved = surfaced and self.let_go_at > -math.inf
+            unseen = state.depth is None and not proved
             self.rest.begin(SURFACE_DEPTH if proved else math.nan, unseen=unseen)
-        report = self.vehicle_state.telemetry
+        report = state.telemetry
         if not kind or report is None:
             return
-        state, surfaced = self.vehicle_state, self.active == SURFACED
         self.rest.take(report.t, state.depth, DEEP_AGAIN if surfaced else DEEP)
         unsure = state.depth is None and not state.receiver.settled(report.t)
         self.rest.follow(report.t, state.moving_depth if unsure else None)
         stays = self.rest.stays_down() if kind == "stopped" or self.rest.unseen else ""
         why = stays if kind == "stopped" else self.rest.sinks or stays
-        if (why := why or self.rest.goes_down or self._goes_under) and self.auto:
+        why = "" if state.depth is None else why  # it may be on deck by now
+        if (why := why or self.rest.goes_down) and self.auto:
             self.surface("limit", why, By.LIMIT)
+        elif self.hold is not None and self.watch.neutral(self.hold.said_at):
+            self.hold_up("its thrusters are off")
+
+    def mind_fixes(self) -> None:
+        """Brings up what is taken to sink though no depth is believed: the fixes that proved the
+        surface have ended, with reports or without (R7)."""
+        due, ended = self._fixes_end
+        if self.now >= due and self.vehicle_state.depth is None and self.auto:
+            done = "let go" if self.hold is None else "held up"
+            self.surface(
+                "limit", f"{ended} since it was {done}, and no depth is believed", By.LIMIT
+            )
 
     @property
-    def _goes_under(self) -> str:
-        """Why it is taken to sink though no depth is believed, "" if it is not: the fixes that
-        proved the surface have ended since it was let go, or say no new place any more."""
-        state, let_go = self.vehicle_state, self.now - self.let_go_at
-        if state.depth is not None or let_go > UNSEEN or self.active != SURFACED:
-            return ""
-        receiver, longest = state.receiver, let_go + SETTLED
-        for missing, since, ended in (
-            ("fix", receiver.quiet(self.now), ENDED),
-            ("new place", receiver.no_news(self.now), RECENT),
-        ):
-            if since is not None and ended <= since <= longest:
-                said = f"no {missing} for {since:.0f} s since it was let go"
-                return f"{said}, and no depth is believed"
-        return ""
+    def _fixes_end(self) -> tuple[float, str]:
+        """When the fixes that proved the surface count as ended, and which; never where it was let
+        go a minute before: it floats. What is held up may lose that long after."""
+        state, since = self.vehicle_state, self.let_go_at if self.hold is None else self.hold.since
+        if not (self.active == SURFACED or self.region == IDLE):
+            return math.inf, ""
+        due, ended = fixes_end(state.receiver, since)
+        if self.hold is None and max(due, self.now) > since + UNSEEN:
+            return math.inf, ""
+        return due, ended
+
+    def rest_due(self) -> float | None:
+        """When the end of the fixes is to be looked for, if nothing is heard any more."""
+        due, told = self._fixes_end[0], self.vehicle_state.telemetry
+        if due < math.inf and told is not None and self.vehicle_state.depth is not None:
+            return max(due, told.t + self.vehicle.stale_after + _LATER)
+        return due if due < math.inf else None
 
     def take_stick(self) -> None:
         """Enters manual/driving; a mission stays where it was interrupted."""
-        self.ascent = self.stop_at = self.stopped_at = None
+        self.ascent = self.hold = self.stop_at = self.stopped_at = None
         self._sank = False
         self.watch.set_sent(None)
         self.vehicle_state.rising_since = None
+        self.vehicle_state.expect_change()
         self._move("stick", MANUAL_DRIVING, "the stick was moved", (), By.OPERATOR)
 
     def stick_silent(self) -> None:
@@ -342,8 +267,9 @@ class Core(EngineState):
 
     def stick_forgotten(self) -> None:
         """Ends manual a minute after the last M: idle at the surface; surfacing where it is deeper,
-        or where the depth is not known, once AUTO is open: until then nothing turns by itself."""
-        depth = self.vehicle_state.depth
+        or where the depth is not known or has not changed since before the stick, once AUTO is
+        open: until then nothing turns by itself."""
+        depth = self.vehicle_state.depth if self.vehicle_state.lives else None
         if depth is None or depth >= SURFACE_DEPTH:
             seen = "the depth is not known" if depth is None else f"{depth:.1f} m deep"
             if self.auto:
@@ -367,20 +293,6 @@ class Core(EngineState):
         why = f"limit {row.name}: {row.why(self.watch)}"
         seen = (Evaluation(f"limit {row.name}", True, (("depth", self.vehicle_state.depth),)),)
         self.surface("limit", why, By.LIMIT, seen)
-
-    def take_uncertain(self, row: Limit) -> None:
-        """Follows the mission's ``on uncertain``, once each time the position becomes uncertain."""
-        run = self.flying
-        if run is None or self.uncertain or run.leaf == IMPLICIT_SURFACE:
-            return
-        self.uncertain = True
-        edge = run.uncertain()
-        if edge is not None:
-            seen = Evaluation(
-                f"limit {row.name}", True, (("range", run.value("range", self.vehicle_state)),)
-            )
-            self.reason = f"limit {row.name}: {row.why(self.watch)}"
-            self.follow(edge, (seen,))
 
     def take_outcome(self, outcome: Outcome) -> None:
         """Takes in what became of a frame: counts lost ones, notes acknowledged stops, and refused,

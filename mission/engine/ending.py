@@ -68,7 +68,7 @@ def last_words(core: Core) -> None:
     the surface stays so."""
     if settled(core) or core.region == IDLE or core.active == STOPPED:
         return
-    if core.active == SURFACED and not _is_deep(core):
+    if core.active == SURFACED and not (_is_deep(core) and core.auto):
         return
     if core.active != SURFACING and _at_surface(core):
         core.stop_in("end", SURFACED, f"{WHY}, at the surface")

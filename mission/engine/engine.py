@@ -140,6 +140,7 @@ class Engine:
         if reported:
             core.mind_rest()
             core.doubt_stop()
+        core.mind_fixes()
         core.stop_again()
         mind_outputs(core)
         self._timer = self._next_timer()
@@ -157,8 +158,7 @@ class Engine:
         for one in inputs:
             if isinstance(one, Telemetry):
                 core.vehicle_state.take_telemetry(one)
-                run = core.flying
-                core.watch.ascending = run is not None and run.climbing
+                core.watch.excused = core.leg_climbs or core.active == MANUAL_DRIVING
                 core.watch.take_report()
                 reported = True
             elif isinstance(one, Fix):
@@ -259,7 +259,7 @@ class Engine:
 
     def _next_timer(self) -> float | None:
         core = self.core
-        due: list[float | None] = [core.stop_at, core.outputs.next_timer()]
+        due: list[float | None] = [core.stop_at, core.rest_due(), core.outputs.next_timer()]
         if (run := core.flying) is not None:
             due += run.next_timer(core.vehicle_state)
             due.append(core.watch.next_timer())

@@ -20,9 +20,12 @@ What does not live here: what follows (engine).
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from typing import Self
 
 from mission.model.copies import copied
+from mission.navigation.fixes import RECENT, SETTLED, Receiver
+from protocol.messages import Order, Setpoint
 
 DEEP = 2.0  # m
 DEEP_AGAIN = 1.0  # m, in surfaced
@@ -35,6 +38,15 @@ _SMOOTH = 6.0  # s, of the depth that the deepest is compared with
 _LONGEST = 10.0  # s without a depth: its mean begins anew, not what it was before
 _FASTER = 1.5  # times the greatest descent rate, and ...
 _JUMP = 0.5  # ... m: more than that from one report to the next is no descent
+
+
+@dataclass(frozen=True, slots=True)
+class Hold:
+    """The thrust that holds up at the surface what sinks when it is let go."""
+
+    way: Setpoint | Order
+    since: float  # s
+    said_at: float  # s; the last time
 
 
 class Rest:
@@ -131,3 +143,17 @@ class Rest:
         if self._t - self._since < RISE_TIME or not self._depth > DEEP:
             return ""
         return f"it does not rise though everything is stopped, {self._depth:.1f} m deep"
+
+
+def fixes_end(receiver: Receiver, since: float) -> tuple[float, str]:
+    """When those that came from ``since`` s on have ended, or will have if none follows, and which
+    in words; inf where none came."""
+    ends = [
+        (at + ended, f"no {missing} for {ended:g} s")
+        for missing, at, ended in (
+            ("fix", receiver.last_at, ENDED),
+            ("new place", receiver.news_at, RECENT),
+        )
+        if at >= since - SETTLED
+    ]
+    return min(ends, default=(math.inf, ""))

@@ -6,11 +6,13 @@
                                  thruster on whether it is frozen
     stopped, surfaced        --> the same again, everything stopped: the vehicle may be on deck
                                  (what was surfaced was up: deeper now, it has sunk meanwhile)
-    the stick alone          --> stopped, idle
+    the stick alone          --> stopped, idle; and up by the first depth that says it is deep, and
+                                 stays so: nobody may be there whose silence could be counted
     nothing                  --> idle; X0 where reports show a thruster on all the same, since a
                                  program may have ended between a word and the record of it
     the store cannot tell    --> stopped, and up as soon as two reports in a row say a depth to
-                                 believe beyond 2 m: on deck no thruster turns, under water it rises
+                                 believe beyond 2 m, and AUTO is open: on deck no thruster
+                                 turns, under water it rises
 
 What does not live here: who keeps what is under way (resume_marker, store).
 """
@@ -51,6 +53,7 @@ def begin_again(core: Core, before: Restarted) -> None:
     why = f"the program restarted during {before.during}"
     if before.during == STICK:
         core.stop_quietly(why)
+        core.rest.begin(unseen=True)
     elif before.during in (STOPPED, SURFACED):
         core.stop_in("restart", before.during, why)
         if before.during == SURFACED:
@@ -75,6 +78,6 @@ def doubt(core: Core) -> None:
     if depth is None or not unsure(core):
         return
     core.deep_reports = (count or 0) + 1 if depth > DEEP else 0
-    if core.deep_reports >= REPORTS:
+    if core.deep_reports >= REPORTS and core.auto:
         why = f"{core.reason}, and it is {depth:.1f} m deep"
         core.surface("restart", why, By.LIMIT)

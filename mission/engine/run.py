@@ -22,7 +22,7 @@ from mission.engine.memory import Memory
 from mission.engine.plan import Plan, name_of, plan_of, repeat_of
 from mission.engine.readings import Scope, Value
 from mission.engine.variables import VARIABLES, value_of
-from mission.engine.vehicle_state import VehicleState
+from mission.engine.vehicle_state import SURFACE_TIME, VehicleState
 from mission.engine.words import short
 from mission.legs import Pilot, Track, View
 from mission.legs.base import wrap
@@ -254,7 +254,10 @@ class Run:
         return self._pilot is not None and self._pilot.finished(self._view(vehicle_state))
 
     def _surfaced(self, vehicle_state: VehicleState) -> bool:
-        return self.ascent is not None and vehicle_state.surfaced(self.ascent.began)
+        """Proved by this ascent, and seen to be so still."""
+        lately = vehicle_state.now - SURFACE_TIME
+        began = None if self.ascent is None else self.ascent.began
+        return began is not None and vehicle_state.surfaced(max(began, lately))
 
     def _values_of(self, edge: Edge, vehicle_state: VehicleState) -> tuple[tuple[str, Value], ...]:
         elapsed: tuple[str, Value] = ("elapsed", round(vehicle_state.now - self.entered, 6))

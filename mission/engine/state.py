@@ -13,7 +13,7 @@ from mission.engine.bounds import in_force
 from mission.engine.machine import Machine
 from mission.engine.monitor import LimitMonitor
 from mission.engine.outputs import OutputKeeper
-from mission.engine.rest import Rest
+from mission.engine.rest import Hold, Rest
 from mission.engine.run import Run
 from mission.engine.vehicle_state import Navigator, VehicleState
 from mission.engine.words import in_words
@@ -58,6 +58,7 @@ class EngineState:
         self.rested = "rest"  # the kind of rest that it watches, "" where it is under way
         self._sank = False  # out of surfaced: let go, it would sink again
         self.let_go_at = -math.inf  # when an ascent last ended with everything stopped
+        self.hold: Hold | None = None  # in surfaced, what sank when it was let go
         self.auto = True  # node AUTO
         self.emergency_since_idle = False
         self.emergency_at = -math.inf  # when the last one began
@@ -97,6 +98,12 @@ class EngineState:
     def flying(self) -> Run | None:
         """The run, while it is not interrupted."""
         return self.run if self.machine.region == AUTONOMOUS else None
+
+    @property
+    def leg_climbs(self) -> bool:
+        """Whether the active leg ascends, and has not reached the surface."""
+        run = self.flying
+        return run is not None and run.climbing
 
     # --- records -------------------------------------------------------------------------------
 

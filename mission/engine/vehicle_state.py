@@ -177,10 +177,10 @@ class VehicleState:
         if depth != before is not None and self.now - at <= self._stale_after:
             self._moved_at = self.now
         self._told = depth, self.now
-        return self._lives
+        return self.lives
 
     @property
-    def _lives(self) -> bool:
+    def lives(self) -> bool:
         """The depth has changed since the program and the ascent began. One that stands may have
         frozen while nothing moved: some seconds of thrust do not tell yet."""
         begun, moved = self.rising_since, self._moved_at
@@ -237,7 +237,7 @@ class VehicleState:
         believed, or it has not changed yet, some seconds of fixes as at the surface while no depth
         goes by metres, its zero right or wrong."""
         depth = self.depth
-        if depth is not None and (depth >= FIX_DEPTH or self._lives):
+        if depth is not None and (depth >= FIX_DEPTH or self.lives):
             return self.receiver.fresh and depth < FIX_DEPTH
         stands = fix.t - self._travelled[1] >= _TRAVELLED
         return stands and self.receiver.settled(fix.t) >= SETTLED and self._may_be_up(fix.t)
@@ -358,7 +358,7 @@ class VehicleState:
         return self._fixed_at > since
 
     def surface_due(self, since: float) -> float | None:
-        if self._shallow_since is None or not self._lives:
+        if self._shallow_since is None or not self.lives:
             return None
         return max(self._shallow_since, since) + SURFACE_TIME
 

@@ -20,6 +20,7 @@ from mission.legs.base import wrap
 from mission.model.copies import copied
 from mission.model.units import GEARS
 from mission.model.vehicle import Vehicle
+from mission.navigation.fixes import RECENT
 from protocol.messages import Fix, Setpoint
 
 _ALLOWANCE = 2.0  # m of momentum, waves and noise that are no descent
@@ -36,6 +37,7 @@ _APART = math.radians(60.0)
 _UNDER_WAY = 0.4  # m/s through the water and over ground: a weaker one is no course
 _NEUTRAL = 0.02  # share of full thrust
 _SETTLE = 0.5  # s from an ACK to thrusters that turn
+_BACK = 3.0  # s from thrust that is said to a report that shows it, and one more
 _ROLLS_OUT, _STANDS = 2.0, 0.05  # s, m/s: of what drives, from a stop on
 
 
@@ -158,7 +160,8 @@ class Watch:
         self.topside_heard = -math.inf
         self.lost = 0
         self.blind_since: float | None = None
-        self.ascending = False  # a leg proves its ascent: sinking is answered there already
+        self._led_down = -math.inf  # by the last set without a depth to believe: when
+        self.excused = False  # a leg proves its ascent, and answers a descent; or the stick dives
         self.repeated = False  # after a brown-out the set was sent again
         self.descent, self.steering, self.progress = Descent(), Steering(), Progress()
 
@@ -168,6 +171,7 @@ class Watch:
     def begin(self, now: float) -> None:
         """A mission starts, or goes on: ages and counts begin anew."""
         self.heard, self.lost, self.blind_since = now, 0, None
+        self._led_down = -math.inf
         self.topside_heard = now
         self.repeated = False
         self.descent, self.steering, self.progress = Descent(), Steering(), Progress()
@@ -180,7 +184,7 @@ class Watch:
         report = self.vehicle_state.telemetry
         assert report is not None
         self.heard = report.t
-        asked = self.ascending or self._dive_asked()
+        asked = self.excused or self._dive_asked()
         depth = self.vehicle_state.depth
         self.descent.take(report.t, depth, asked, self.vehicle.limits.descent_rate)
         heading = report.heading if self.vehicle_state.health("heading").valid else None
@@ -188,12 +192,27 @@ class Watch:
         self.steering.take(report.t, heading, self.sent.heading if self.sent else None)
 
     def look_for_depth(self) -> None:
-        """Note since when the vehicle is submerged without a depth to believe."""
+        """Note since when the vehicle is, or may be, submerged without a depth to believe."""
         vehicle_state = self.vehicle_state
-        if not vehicle_state.submerged or vehicle_state.depth is not None:
+        if vehicle_state.depth is not None:
+            self.blind_since, self._led_down = None, -math.inf
+            return
+        if self.sent is not None and _leads_down(self.sent):
+            self._led_down = vehicle_state.now
+        if not (vehicle_state.submerged or self._may_be_under()):
             self.blind_since = None
         elif self.blind_since is None:
             self.blind_since = vehicle_state.now
+
+    def _may_be_under(self) -> bool:
+        """Though the last depth that was believed was the surface's: a set led down since, and no
+        fix has proved the surface behind it (a leg that holds a depth has an end of its own), or
+        fixes came in this mission and have ended."""
+        sent, now = self.sent, self.vehicle_state.now
+        if self._led_down > -math.inf and not self.vehicle_state.fixed(self._led_down):
+            return sent is None or sent.depth is None
+        news_at = self.vehicle_state.receiver.news_at
+        return self.started is not None and self.started < news_at < now - RECENT
 
     def _dive_asked(self) -> bool:
         sent, depth, report = self.sent, self.vehicle_state.depth, self.vehicle_state.telemetry
@@ -228,6 +247,13 @@ class Watch:
             return report.t >= since + _ROLLS_OUT and abs(report.velocity[0]) > _STANDS
         return any(abs(a) > _NEUTRAL for a in (report.actuators or ())[:THRUSTERS])
 
+    def neutral(self, since: float) -> bool:
+        """A report from well after then says that no thruster is on; two can have said so."""
+        report = self.vehicle_state.telemetry
+        if report is None or not report.actuators or report.t < since + _BACK:
+            return False
+        return all(abs(a) <= _NEUTRAL for a in report.actuators[:THRUSTERS])
+
     def powerless(self) -> bool | None:
         """Thrust is set and acknowledged, and every thruster is neutral."""
         report, sent = self.vehicle_state.telemetry, self.sent
@@ -241,3 +267,11 @@ class Watch:
             self.repeated = False
             return False
         return True
+
+
+def _leads_down(sent: Setpoint) -> bool:
+    """It takes a vehicle under water that is not there."""
+    if sent.depth is not None:
+        return sent.depth >= SURFACE_DEPTH
+    nose_first = (sent.pitch or 0.0) * sent.surge < 0.0
+    return sent.altitude is not None or (sent.heave or 0.0) > 0.0 or nose_first

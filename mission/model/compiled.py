@@ -41,6 +41,7 @@ MODULES = (
     "mission.engine.clearance",
     "mission.engine.core",
     "mission.engine.engine",
+    "mission.engine.flying",
     "mission.engine.guards",
     "mission.engine.lasting",
     "mission.engine.limits",

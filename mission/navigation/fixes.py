@@ -72,14 +72,20 @@ class Receiver:
             return 0.0
         return last.t - self._since
 
-    def quiet(self, now: float) -> float | None:
-        """s since the last fix; None if there never was one."""
-        return None if self._last is None else now - self._last.t
-
     def no_news(self, now: float) -> float | None:
         """s since it last said a new place: one that got stuck goes on under water. None if there
         never was one."""
         return None if self._last is None else now - self._fresh_at
+
+    @property
+    def last_at(self) -> float:
+        """s, of the last fix; -inf if there never was one."""
+        return -math.inf if self._last is None else self._last.t
+
+    @property
+    def news_at(self) -> float:
+        """s, when it last said a new place; -inf if there never was one."""
+        return -math.inf if self._last is None else self._fresh_at
 
     def _follows(self, fix: Fix) -> bool:
         last = self._last

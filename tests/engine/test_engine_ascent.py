@@ -17,7 +17,9 @@ from mission.model import (
     SURFACING,
     AutoNode,
     LineOpened,
+    Outcome,
     Restarted,
+    Result,
 )
 from protocol.messages import UPWARD, ClearMission, Order, Setpoint
 
@@ -829,3 +831,55 @@ def test_up_and_then_the_missions_end_climbs_once():
     assert world.state == IDLE_READY
     assert world.commands().count(Order.SURFACE) == 1
     assert world.commands()[-1] is Order.STOP
+
+
+# --- the stop at the end of a leg's ascent ---
+
+
+def leg_is_up() -> World:
+    """A leg's ascent has proved the surface, and waits there for a fix."""
+    world = World(
+        mission(
+            leg("a", timeout=None, duration=20.0),
+            leg("up", kind=Surface(until_fix=True), settings=(), timeout=LONG),
+        )
+    )
+    assert world.start()
+    world.depth = 5.0
+    world.wait(24.0)
+    climb(world, 0.5, 14.0)
+    while world.commands()[-1] is not Order.STOP:
+        world.wait(0.5)
+    assert world.state == "autonomous/up"
+    return world
+
+
+def test_the_stop_of_a_leg_that_is_up_is_said_again_until_it_is_acknowledged():
+    world = leg_is_up()
+    world.answer = None
+    world.tell(LineOpened())
+    said = len(world.actions)
+    world.wait(2.0)
+    assert world.commands()[said:] == [Order.STOP] * 4
+    world.tell(Outcome(Result.ACCEPTED, b"@ZAX0$", Order.STOP))
+    said = len(world.actions)
+    world.wait(20.0)
+    assert len(world.actions) == said
+
+
+def test_the_stop_of_a_leg_that_is_up_is_said_again_while_a_thruster_turns():
+    world = leg_is_up()
+    said = len(world.actions)
+    world.wait(20.0)
+    assert len(world.actions) == said
+    world.stops, world.actuators = False, (0.0, 0.0, 1.0, 1.0, 1.0)
+    world.wait(10.0)
+    assert set(world.commands()[said:]) == {Order.STOP}
+    assert len(world.actions) - said >= 4
+    world.stops = True
+    world.wait(4.0)
+    said = len(world.actions)
+    for north in range(8):
+        world.wait(1.0)
+        world.tell(world.fix(float(north)))
+    assert world.state == IDLE_READY

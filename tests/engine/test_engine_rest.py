@@ -17,6 +17,7 @@ from mission.model import (
     SURFACED,
     SURFACING,
     AutoNode,
+    LineOpened,
     Outcome,
     Restarted,
     Result,
@@ -226,6 +227,71 @@ def test_what_was_held_up_is_let_go_when_it_is_cleared():
     world.tell(ClearMission())
     assert world.state == IDLE_EMPTY
     assert world.commands()[-1] is Order.STOP
+
+
+def held_up() -> World:
+    """At the surface by thrust, since it sank when it was let go; the thrusters turn."""
+    world = at_rest(SURFACED)
+    sink(world, 0.3, 9.0)
+    world.depth = 0.2
+    world.wait(9.0)
+    assert world.state == SURFACED
+    assert world.commands()[-1] == UPWARD
+    return world
+
+
+@pytest.mark.parametrize(("auto", "again"), [(True, [UPWARD]), (False, [])])
+def test_what_holds_it_up_is_said_again_behind_a_line_that_was_away(auto: bool, again: list):
+    world = held_up()
+    world.depth = None
+    world.wait(2.0)
+    world.tell(AutoNode(auto))
+    said = len(world.actions)
+    world.tell(LineOpened())
+    assert world.commands()[said:] == again
+
+
+@pytest.mark.parametrize(("auto", "again"), [(True, 3), (False, 0)])
+def test_what_holds_it_up_is_said_again_while_reports_show_it_off(auto: bool, again: int):
+    """By two reports each time: one may have left before it was heard."""
+    world = held_up()
+    world.depth = None
+    world.tell(AutoNode(auto))
+    said = len(world.actions)
+    world.wait(20.0)
+    assert len(world.actions) == said
+    world.actuators = (0.0,) * 5
+    world.wait(10.0)
+    assert world.commands()[said:] == [UPWARD] * again
+
+
+@pytest.mark.parametrize("fixes", [True, False])
+def test_what_is_held_up_without_a_depth_comes_up_again_when_its_fixes_end(fixes: bool):
+    world = held_up()
+    world.depth = None
+    for second in range(200):
+        world.wait(1.0)
+        world.tell(world.fix(0.3 * second))
+    assert world.state == SURFACED
+    for second in range(20):
+        world.wait(1.0)
+        if fixes:
+            world.tell(world.fix(-0.3 * second - 1.0))
+    assert world.state == (SURFACED if fixes else SURFACING)
+
+
+@pytest.mark.parametrize("later", [0.5, 2.5])
+def test_a_stop_against_an_ascent_out_of_stopped_has_its_20_seconds(later: float):
+    """Whether a report came in between or not."""
+    world = at_rest(STOPPED, 8.0)
+    while world.state == STOPPED:
+        world.wait(1.0)
+    world.wait(later)
+    world.tell(X)
+    begun = world.t
+    while world.state == STOPPED:
+        world.wait(1.0)
+    assert world.t - begun >= 20.0
 
 
 @pytest.mark.parametrize("state", REST)

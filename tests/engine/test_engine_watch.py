@@ -248,7 +248,7 @@ def test_thrust_downward_asks_for_a_dive_and_thrust_upward_for_none():
 
 def test_an_ascent_of_a_leg_answers_for_its_own_sinking():
     one = watch()
-    one.ascending = True
+    one.excused = True
     heard(one, 12.0, depth=8.0)
     assert one.descent.unexplained is (VEHICLE.limits.descent_rate < 1.5)
 
@@ -476,6 +476,59 @@ def test_the_blindness_of_a_submerged_vehicle_counts_from_its_first_look():
     one.vehicle_state.at(15.0)
     one.look(reported=False, fixed=False)
     assert one.blind_since is None
+
+
+@pytest.mark.parametrize(
+    "down",
+    [Setpoint(altitude=4.0), Setpoint(heave=0.1), Setpoint(surge=0.5, pitch=-0.1)],
+    ids=["altitude", "thrust", "nose"],
+)
+def test_one_that_was_led_down_without_a_depth_is_blind_until_the_surface_is_known(down):
+    """Though the last depth that was believed was that of the surface."""
+    one = watch(depth=0.2)
+    navigation: Any = one.vehicle_state.navigation
+    navigation.doubt["depth"] = "frozen"
+    one.set_sent(down)
+    look_at(one, 12.0)
+    assert one.blind_since == 12.0
+    one.set_sent(Setpoint(surge=0.5))
+    look_at(one, 14.0)
+    assert one.blind_since == 12.0
+    navigation.doubt.clear()
+    look_at(one, 15.0)
+    navigation.doubt["depth"] = "frozen"
+    look_at(one, 16.0)
+    assert one.blind_since is None
+
+
+def test_a_leg_that_holds_a_depth_needs_it_itself_and_the_next_one_is_blind():
+    one = watch(depth=0.2)
+    navigation: Any = one.vehicle_state.navigation
+    navigation.doubt["depth"] = "frozen"
+    one.set_sent(Setpoint(depth=4.0))
+    look_at(one, 12.0)
+    assert one.blind_since is None
+    one.set_sent(Setpoint(surge=0.5))
+    look_at(one, 14.0)
+    assert one.blind_since == 14.0
+
+
+@pytest.mark.parametrize(("started", "blind"), [(8.0, True), (16.0, False)])
+def test_one_whose_fixes_of_this_mission_have_ended_is_blind(started: float, blind: bool):
+    one = watch(depth=0.2)
+    navigation: Any = one.vehicle_state.navigation
+    navigation.doubt["depth"] = "frozen"
+    one.started = started
+    one.vehicle_state.take_fix(Fix(12.0, 0.5, 2.1, 2.5, hdop=1.0))
+    look_at(one, 32.0)
+    assert one.blind_since is None
+    look_at(one, 32.5)
+    assert one.blind_since == (32.5 if blind else None)
+
+
+def look_at(one: LimitMonitor, t: float) -> None:
+    one.vehicle_state.at(t)
+    one.look(reported=False, fixed=False)
 
 
 def test_at_the_surface_nobody_is_blind():

@@ -426,5 +426,5 @@ def test_a_run_of_fixes_is_over_with_the_last_of_them():
     receiver, _ = run(steady())
     assert receiver.settled(21.5) == 19.0
     assert receiver.settled(21.6) == 0.0
-    assert receiver.quiet(21.0) == 2.0
-    assert Receiver().quiet(21.0) is None
+    assert receiver.last_at == 19.0
+    assert Receiver().last_at == -math.inf

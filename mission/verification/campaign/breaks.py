@@ -221,8 +221,7 @@ def fixes_explain_what_stands(surgery: Surgery) -> None:
 
     def notice(self: DepthBelief, t: float, depth: float, *given: Any) -> None:
         honest(self, t, depth, *given)
-        quiet = given[-1].quiet(t)
-        if depth < FIX_DEPTH and quiet is not None and quiet <= 3.0:
+        if depth < FIX_DEPTH and t - given[-1].last_at <= 3.0:
             self._pushed_at = t
 
     surgery.put(DepthBelief, "_notice", notice)

@@ -159,7 +159,7 @@ _RULES: Mapping[str, Broken] = {
     ),
     "goes under": Broken(
         "R7, at rest: no depth, and the fixes end",
-        always(Core, "_goes_under", ""),
+        nothing(Core, "mind_fixes"),
         "what sinks at rest without a depth is excused; test_engine_ascent tries it",
         same,
     ),

@@ -57,6 +57,7 @@ def limit_laws(story: Story) -> Iterator[Violation]:
         yield from _voltage(story, begin, end)
         yield from _leak(story, begin, end)
         yield from _blind(story, begin, end)
+        yield from _blind_before(story, flight)
         yield from _false_alarm(story, flight[-1])
         yield from _clogged(story, flight)
 
@@ -186,6 +187,26 @@ def _blind(story: Story, begin: float, end: float) -> Iterator[Violation]:
             continue  # R5: it repeats while a thruster turns
         if until > known and under and alone and told and not story.hindered(fault.begin, known):
             yield Violation(UNANSWERED, known, "under water without a depth, and still autonomous")
+
+
+def _blind_before(story: Story, flight: list[Stay]) -> Iterator[Violation]:
+    """The same where nothing of a dive was believed: a set that leads down and needs no depth."""
+    spans = [span for stay in flight for span in sets_of(story, stay)]
+    downward = [s for s in spans if s[2].altitude is not None or (s[2].heave or 0.0) > 0.0]
+    for fault in story.faults(("depth_silent", "depth_frozen", "depth_full_scale"), 0.0, story.end):
+        if fault.name == "depth_silent" and story.profile != "documented":
+            continue
+        lag = _BLIND + (10.0 if fault.name == "depth_frozen" else 0.0)
+        for begin, end, _ in downward:
+            known = begin + lag
+            until = min(fault_ends(fault), end, FOREVER)
+            if fault.begin > begin or until <= known or story.depth(known) <= _UNDER:
+                continue
+            alone = len(story.faults(("depth_",), begin - 10.0, until)) == 1
+            told = [r for r in story.reports if begin <= r.t <= known]
+            turns = fault.name != "depth_frozen" or all(r.may_turn for r in told)
+            if alone and turns and len(told) > 3 and not story.hindered(begin, known):
+                yield Violation(UNANSWERED, known, "dives without a depth, and still autonomous")
 
 
 def _clogged(story: Story, flight: list[Stay]) -> Iterator[Violation]:
