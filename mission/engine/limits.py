@@ -245,7 +245,7 @@ _ROWS = (
     Limit(
         "depth unknown",
         "depth",
-        f"{BLIND_TIME:g} s submerged without a depth to believe",
+        f"{BLIND_TIME:g} s without a depth to believe, and submerged or led down",
         _passed(_blind_due),
         lambda w: f"submerged and without a depth to believe for {BLIND_TIME:g} s",
         on=On.CLOCK,

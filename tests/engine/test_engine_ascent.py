@@ -833,6 +833,57 @@ def test_up_and_then_the_missions_end_climbs_once():
     assert world.commands()[-1] is Order.STOP
 
 
+# --- proved, and still so ---
+
+
+@pytest.mark.parametrize(("sinks", "over"), [(0.0, True), (0.03, False)])
+def test_a_fix_of_minutes_ago_ends_no_mission_under_water(sinks: float, over: bool):
+    """The leg that follows begins an ascent of its own."""
+    world = World(mission(leg("up", kind=Surface(), settings=(), duration=240.0, timeout=None)))
+    assert world.start()
+    world.wait(8.0)
+    world.tell(world.fix(3.0))
+    for _ in range(130):
+        world.depth += 2.0 * sinks
+        world.wait(2.0)
+    assert (world.state == IDLE_READY) is over
+
+
+def test_what_is_lifted_is_up_by_what_proves_it_behind_the_lift():
+    world = World()
+    world.tell(world.report())
+    world.tell(W)
+    world.wait(10.0)
+    while world.state == SURFACED:
+        world.depth += 0.4
+        world.wait(2.0)
+    while world.commands()[-1] is not Order.STOP:
+        world.wait(1.0)
+    world.depth = 0.7
+    world.tell(world.report())
+    world.tell(world.fix(5.0))  # it proves the surface, and full thrust takes over
+    assert world.commands()[-1] == UPWARD
+    for _ in range(6):
+        world.depth += 0.4
+        world.wait(2.0)
+    assert world.state == SURFACING
+
+
+def test_an_operators_w_goes_on_with_the_ascent_of_a_leg():
+    world = World(
+        mission(
+            leg("a", duration=4.0, timeout=None),
+            leg("up", kind=Surface(), settings=(), timeout=LONG),
+        )
+    )
+    assert world.start()
+    world.depth = 20.0
+    world.wait(18.0)
+    assert world.commands()[-1] == UPWARD
+    world.tell(W)
+    assert (world.state, world.commands()[-2:]) == (SURFACING, [Order.SURFACE, UPWARD])
+
+
 # --- the stop at the end of a leg's ascent ---
 
 

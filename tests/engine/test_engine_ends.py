@@ -100,6 +100,19 @@ def test_a_fix_of_just_now_is_no_surface_against_a_depth_to_believe():
     assert world.state == SURFACING
 
 
+@pytest.mark.parametrize("auto", [True, False])
+def test_the_last_words_out_of_surfaced_wait_for_no_node_that_is_closed(auto: bool):
+    """Nothing turns by itself while AUTO is closed."""
+    world = flying_at(0.2, AFLOAT)
+    world.tell(Ending())
+    world.tell(AutoNode(auto))
+    world.depth = 3.0
+    world.tell(world.report())
+    before = len(world.actions)
+    world.tell(Ending(now=True))
+    assert since(world, before) == ([UPWARD] if auto else [])
+
+
 @pytest.mark.parametrize("depth", [0.2, 2.0, None])
 def test_an_end_in_idle_sends_nothing_where_no_depth_says_deep(depth: float | None):
     world = World()

@@ -12,6 +12,7 @@ from mission.model import (
     IDLE_READY,
     MANUAL_DRIVING,
     MANUAL_WAITING,
+    STOPPED,
     SURFACING,
     AutoNode,
     Group,
@@ -66,6 +67,35 @@ def test_a_stick_that_is_forgotten_turns_nothing_while_auto_is_closed(depth):
     assert {a.command for _, a in world.actions[begun:]} <= {Order.STOP}
     world.tell(AutoNode(True))
     assert world.state == SURFACING
+
+
+@pytest.mark.parametrize("stands", [True, False])
+def test_a_stick_that_is_forgotten_believes_no_depth_that_stands_since_before_it(stands: bool):
+    """The board reports nothing under the stick: a depth that froze is not found out."""
+    world = World(mission(leg("a", timeout=400.0)))
+    world.trembles = 0.0
+    world.tell(world.report())
+    drive(world, 30.0)
+    for _ in range(40):
+        world.depth += 0.0 if stands else 0.001
+        world.wait(2.0)
+    assert world.state == (SURFACING if stands else IDLE_READY)
+
+
+@pytest.mark.parametrize("order", [X, None])
+def test_what_the_stick_leads_down_is_no_unexplained_descent_when_it_ends(order):
+    world = World(mission(leg("a", timeout=400.0)))
+    world.wait(4.0)
+    for _ in range(200):
+        world.tell(M)
+        world.wait(0.3)
+        world.depth += 0.08
+    assert world.engine.breaches == ()
+    world.tell(*([order] if order else []))
+    for rate in (0.2, 0.1, 0.05, 0.0, 0.0):
+        world.wait(2.0)
+        world.depth += rate
+    assert world.state == (STOPPED if order else MANUAL_WAITING)
 
 
 def test_a_stick_that_is_forgotten_as_the_program_stood_still_with_auto_closed_stops():

@@ -9,6 +9,8 @@ from engine_world import HOME, M, W, World, X, leg, mission, sets
 
 from mission.engine.attitude import Attitude
 from mission.engine.rest import Rest
+from mission.engine.restart import STICK
+from mission.legs import Surface
 from mission.model import (
     IDLE_EMPTY,
     IDLE_READY,
@@ -16,6 +18,7 @@ from mission.model import (
     STOPPED,
     SURFACED,
     SURFACING,
+    UNKNOWN,
     AutoNode,
     LineOpened,
     Outcome,
@@ -278,6 +281,109 @@ def test_what_is_held_up_without_a_depth_comes_up_again_when_its_fixes_end(fixes
         if fixes:
             world.tell(world.fix(-0.3 * second - 1.0))
     assert world.state == (SURFACED if fixes else SURFACING)
+
+
+def told_fixes(world: World, seconds: int, begin: int = 0) -> None:
+    """A new place each second, half a metre on."""
+    for second in range(begin, begin + seconds):
+        world.wait(1.0)
+        world.tell(world.fix(0.5 * second))
+
+
+@pytest.mark.parametrize("reports", [True, False])
+@pytest.mark.parametrize("cleared", [True, False])
+def test_what_sinks_unseen_is_brought_up_without_a_report_and_though_it_was_cleared(
+    reports: bool, cleared: bool
+):
+    world = at_rest(SURFACED)
+    world.depth = None
+    told_fixes(world, 3)
+    if cleared:
+        world.tell(world.report(depth=0.2))
+        world.tell(ClearMission())
+        assert world.state == IDLE_EMPTY
+    world.wait(20.0, reports=reports)
+    assert world.state == SURFACING
+    assert "no fix for 8 s" in world.engine.reason
+
+
+def test_what_was_let_go_a_minute_before_its_fixes_end_floats():
+    world = at_rest(SURFACED)
+    world.depth = None
+    told_fixes(world, 60)
+    world.wait(100.0, reports=False)
+    assert world.state == SURFACED
+
+
+def test_what_a_mission_has_let_go_at_the_surface_is_brought_up_when_its_fixes_end():
+    world = World(mission(leg("up", kind=Surface(), settings=(), timeout=600.0)))
+    assert world.start()
+    world.depth = None
+    told_fixes(world, 1200)
+    assert world.state == IDLE_READY
+    world.wait(100.0)
+    assert world.state == IDLE_READY  # a minute is over: it floats
+
+    world = World(mission(leg("up", kind=Surface(), settings=(), timeout=600.0)))
+    assert world.start()
+    world.wait(8.0)
+    assert world.state == IDLE_READY
+    world.depth = None
+    told_fixes(world, 3)
+    world.wait(20.0)
+    assert world.state == SURFACING
+
+
+def test_what_sank_with_auto_closed_turns_nothing_by_a_depth_that_is_no_more():
+    """It may have been hoisted on deck since."""
+    world = at_rest(IDLE_READY)
+    world.tell(AutoNode(False))
+    sink(world, 0.3, 4.0)
+    world.depth = None
+    world.wait(60.0)
+    world.tell(AutoNode(True))
+    world.wait(20.0)
+    assert world.state == IDLE_READY
+    assert world.commands() == []
+    world.depth = 4.0
+    world.wait(20.0)
+    assert world.state == SURFACING
+
+
+def test_a_restart_under_the_stick_brings_up_what_stays_deep():
+    """Nobody may be there any more whose silence could be counted."""
+    world = World(MISSION)
+    world.depth = 9.0
+    world.tell(Restarted(STICK))
+    world.wait(15.0)
+    assert world.state == IDLE_READY
+    world.wait(15.0)
+    assert world.state == SURFACING
+
+
+def test_a_store_that_does_not_know_turns_nothing_while_auto_is_closed():
+    world = World(MISSION)
+    world.tell(AutoNode(False))
+    world.tell(Restarted(UNKNOWN))
+    world.depth = 3.0
+    world.wait(15.0)
+    assert world.state == STOPPED
+    world.tell(AutoNode(True))
+    world.wait(4.0)
+    assert world.state == SURFACING
+
+
+@pytest.mark.parametrize("stopped", [True, False])
+def test_a_stop_has_it_let_go_again_at_the_next_surface(stopped: bool):
+    """Of an ascent behind an X it is not known that it sinks when it is let go."""
+    world = held_up()
+    if stopped:
+        world.tell(X)
+        world.wait(4.0)
+    world.tell(W)
+    world.wait(20.0)
+    assert world.state == SURFACED
+    assert ("held up" in world.engine.reason) is not stopped
 
 
 @pytest.mark.parametrize("later", [0.5, 2.5])
