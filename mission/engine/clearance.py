@@ -5,8 +5,9 @@
 The vehicle is told a depth alone, for it holds one of the two: the shallower of the depth asked for
 and the bottom less the height, in the steps in which it can be told one. Where no altitude is
 believed (an altimeter misses echoes: that takes some seconds), the bottom is where the mission
-assumes the sea floor. Shallower acts with the report that says so; deeper only after some seconds
-in which there was room, or noise would steer.
+assumes the sea floor. Shallower acts with the report that says so; deeper only when the echoes of
+some seconds left room, and to the least that they left: or noise would steer, and one wrong echo
+sink it. What repeats is no echo.
 
 What does not live here: what a believed altitude is (navigation's health), the other axes (run).
 """
@@ -21,10 +22,10 @@ from mission.engine.vehicle_state import VehicleState
 from mission.model import Mission
 from mission.model.copies import copied
 from mission.model.vehicle import Vehicle
-from protocol.messages import Setpoint
+from protocol.messages import Setpoint, Telemetry
 from protocol.vehicles import vehicle_row
 
-DEEPER_AFTER = 5.0  # s with room, before it goes deeper
+DEEPER_AFTER = 5.0  # s of echoes that leave room, before it goes deeper
 DEEPER_ROOM = 0.25  # m of room beyond what is held then
 ECHOES_MISSED = 6.0  # s that the last bottom stands, as a set may be blind for (run)
 _FINE = 0.5  # m: the steps where the vehicle itself has none
@@ -53,7 +54,10 @@ class Clearance:
         self._floor, self._step = floor, step
         self._held: float | None = None
         self._room_since: float | None = None
+        self._room = 0.0  # the least since then
         self._bottom, self._seen = 0.0, -math.inf  # m below the surface, and when it was seen
+        self._said: float | None = None  # by the last echo, m, and when
+        self._echoed = -math.inf
 
     @classmethod
     def of(cls, mission: Mission, vehicle: Vehicle) -> Self:
@@ -78,12 +82,17 @@ class Clearance:
         now = vehicle_state.now
         if (bottom := _bottom(vehicle_state)) is not None:
             self._bottom, self._seen = bottom, now
+            self._hear(vehicle_state.telemetry)
         if now - self._seen > ECHOES_MISSED:
             most = room = self.blind(setpoint)
-        else:
-            most = self._within(setpoint, self._bottom)
-            room = self._within(setpoint, self._bottom - DEEPER_ROOM)
-        return at_depth(setpoint, self._hold(now, most, room))
+            return at_depth(setpoint, self._hold(now, most, room))
+        most = self._within(setpoint, self._bottom)
+        room = self._within(setpoint, self._bottom - DEEPER_ROOM)
+        return at_depth(setpoint, self._hold(self._echoed, most, room))
+
+    def _hear(self, report: Telemetry | None) -> None:
+        if report is not None and report.altitude != self._said:
+            self._said, self._echoed = report.altitude, report.t
 
     def _within(self, setpoint: Setpoint, bottom: float) -> float:
         asked, height = setpoint.depth or 0.0, setpoint.altitude or 0.0
@@ -92,15 +101,18 @@ class Clearance:
             return asked
         return max(0.0, math.floor(room / self._step + 1e-9) * self._step)
 
-    def _hold(self, now: float, most: float, room: float) -> float:
-        """``most`` is the deepest that may be held, ``room`` what it may go deeper to."""
+    def _hold(self, told: float, most: float, room: float) -> float:
+        """``most`` is the deepest that may be held, ``room`` what it may go deeper to, as told
+        then."""
         held = most if self._held is None else min(self._held, most)
         if room <= held:
             self._room_since = None
         elif self._room_since is None:
-            self._room_since = now
-        elif now - self._room_since >= DEEPER_AFTER:
-            held, self._room_since = room, None
+            self._room_since, self._room = told, room
+        else:
+            self._room = min(self._room, room)
+            if told - self._room_since >= DEEPER_AFTER:
+                held, self._room_since = self._room, None
         self._held = held
         return held
 

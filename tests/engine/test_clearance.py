@@ -10,7 +10,7 @@ from mission.legs import Goto
 from mission.model import Estimate, Health, Local, NavigationMode, Safety
 from mission.model.shipped import load_vehicle
 from mission.model.vehicle import Vehicle
-from protocol.messages import Setpoint
+from protocol.messages import Setpoint, Telemetry
 
 KEPT = sets(surge=0.5, heading=0.0, depth=8.0, altitude=3.0)
 FLOOR = (("floor", 10.0),)
@@ -81,6 +81,16 @@ def test_a_moment_of_room_is_none():
     for _ in range(5):
         move(world, 11.5, 5.0, 4.0)
         move(world, 9.0, 5.0, 2.0)
+    assert depths(world) == [6.0]
+
+
+def test_one_wrong_echo_and_none_behind_it_leads_no_deeper():
+    """The navigation believes an echo of 20 m more; it was one, and the bottom is where it was."""
+    world = over(9.0)
+    move(world, 29.0, 5.0)
+    world.altitude = 24.0
+    world.nav.doubt["altitude"] = "absurd"
+    world.wait(ECHOES_MISSED)
     assert depths(world) == [6.0]
 
 
@@ -185,20 +195,22 @@ BOTH = Setpoint(surge=0.5, heading=0.0, depth=8.0, altitude=3.0)
 
 
 class Below:
-    """What a clearance asks of a vehicle 2 m deep: the bottom that it sees now, m, or None."""
+    """What a clearance asks of a vehicle 2 m deep: the bottom that it sees now, m, or None; and
+    the altitude that was told, of which none is the same as the one before."""
 
     depth = 2.0
 
-    def __init__(self, now: float, bottom: float | None) -> None:
+    def __init__(self, now: float, bottom: float | None, told: float | None = None) -> None:
         self.now = now
         height = None if bottom is None else bottom - self.depth
         self.estimate = ESTIMATE._replace(t=now, depth=self.depth, altitude=height)
+        self.telemetry = Telemetry(t=now, altitude=now if told is None else told)
 
     def health(self, sensor: str) -> Health:
         return Health(True, "", 0.0)
 
 
-def held(*seen: tuple[float, float | None], kept: Setpoint = BOTH) -> list[float | None]:
+def held(*seen: tuple[float | None, ...], kept: Setpoint = BOTH) -> list[float | None]:
     """m, as told at each of these times over such a bottom."""
     clearance = Clearance(10.0, 1.0)
     return [clearance.told(kept, Below(*one)).depth for one in seen]  # type: ignore[arg-type]
@@ -212,6 +224,20 @@ def test_there_has_to_be_room_for_five_seconds():
 @pytest.mark.replaces
 def test_room_for_just_what_is_held_is_none():
     assert held((0.0, 9.25), (1.0, 11.5), (5.0, 11.5), (6.0, 11.5)) == [6.0, 6.0, 6.0, 8.0]
+
+
+@pytest.mark.replaces
+def test_it_goes_down_to_the_least_room_of_the_five_seconds():
+    assert held((0.0, 9.0), (1.0, 10.5), (4.0, 11.5), (6.0, 31.0)) == [6.0, 6.0, 6.0, 7.0]
+
+
+@pytest.mark.replaces
+def test_one_echo_is_no_room_however_often_it_is_told():
+    """It repeats where there is none, or says nothing; the next that is new counts from it on."""
+    told = [(0.0, 9.0), (1.0, 31.0, 29.0), (4.0, 31.0, 29.0), (5.0, None), (6.0, 31.0, 29.0)]
+    assert held(*told, (8.0, 31.0, 29.0)) == [6.0] * 6
+    assert held(*told, (8.0, 9.0)) == [6.0] * 6
+    assert held(*told, (8.0, 31.1)) == [6.0] * 5 + [8.0]
 
 
 @pytest.mark.replaces

@@ -139,7 +139,7 @@ class World:
         self.engine = Engine(vehicle, self.nav if navigation else None)
         self.t = 100.0
         self.depth: float | None = 0.2
-        self.trembles = 0.001  # m, from one report to the next: a depth that lives
+        self.trembles = 0.001  # m, from one report to the next: a depth that lives, and an echo
         self.heading, self.altitude, self.roll = 0.0, 20.0, 0.0
         self.actuators: tuple[float, ...] = (0.3, 0.3, 0.0, 0.0, 0.0)
         self.stops = True  # a stop is obeyed, not acknowledged alone
@@ -172,8 +172,8 @@ class World:
     def report(self, **changes: object) -> Telemetry:
         base = Telemetry(
             t=self.t,
-            depth=self._told_depth(),
-            altitude=self.altitude,
+            depth=self._trembling(self.depth),
+            altitude=self._trembling(self.altitude),
             heading=self.heading,
             pitch=0.0,
             roll=self.roll,
@@ -184,9 +184,9 @@ class World:
         )
         return base._replace(**changes)
 
-    def _told_depth(self) -> float | None:
+    def _trembling(self, value: float | None) -> float | None:
         odd = math.floor(self.t / 2.0) % 2.0
-        return None if self.depth is None else self.depth + odd * self.trembles
+        return None if value is None else value + odd * self.trembles
 
     def fix(self, north: float = 0.0, east: float = 0.0, **changes: object) -> Fix:
         lat, lon = math.radians(HOME.latitude_deg), math.radians(HOME.longitude_deg)
