@@ -101,7 +101,7 @@ class VehicleState:
         self._grounded = grounded
         self.now = 0.0
         self.telemetry: Telemetry | None = None
-        self.fixes: tuple[Fix, ...] = ()  # the last five that no depth contradicts, oldest first
+        self.fixes: tuple[Fix, ...] = ()  # the last five, neither stale nor too deep, oldest first
         self.receiver = Receiver()
         self._fixed_at = -math.inf  # of the last one that proves the surface
         self.estimate: Estimate | None = None
@@ -220,7 +220,7 @@ class VehicleState:
         self.receiver.take(fix)
         if self._proves_surface(fix):
             self._fixed_at = fix.t
-        if self.depth is None or self.depth < FIX_DEPTH:
+        if not self.receiver.stale and (self.depth is None or self.depth < FIX_DEPTH):
             self.fixes = (*self.fixes[1 - _MEDIAN_OF :], fix)
         if self.navigation:
             self.navigation.fix(fix)

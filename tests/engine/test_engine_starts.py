@@ -236,6 +236,19 @@ def test_how_far_home_is_must_be_known_by_a_fix_of_the_last_five_seconds():
         assert world.nav.mode is NavigationMode.FIX  # it was not told to reckon from here
 
 
+@pytest.mark.parametrize("home", [HOME, None])
+def test_places_of_before_a_dive_that_are_said_again_behind_it_start_no_mission(home):
+    """The receiver's buffer is not where the vehicle came up, and no home."""
+    world = World(replace(MISSION, home=home))
+    said = [world.fix(north=0.5 * n) for n in range(5)]
+    for again in (0.0, 240.0):
+        world.t += again
+        world.tell(world.report(), *(replace(fix, t=world.t) for fix in said))
+    assert refusal(world, StartMission()).startswith("no fix for 5 s")
+    world.tell(*(world.fix(north=250.0 + 0.5 * n) for n in range(5)))
+    assert refusal(world, StartMission())[:13] == ("home is 252 m" if home else "")
+
+
 def test_without_a_fix_a_mission_that_allows_it_reckons_from_where_it_is():
     for home, frame in ((HOME, HOME), (None, None)):
         world = World(mission(leg("a"), home=home, start_without_fix=True))

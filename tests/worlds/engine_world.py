@@ -220,9 +220,9 @@ class World:
         self.until(self.t + seconds, reports=reports)
 
     def start(self) -> bool:
-        """At the surface with a fix: @AA."""
+        """At the surface with a fix, of a place that was not said before: @AA."""
         self.tell(self.report())
-        self.tell(self.fix())
+        self.tell(self.fix(self.trembles * self.t))
         self.tell(StartMission())
         return self.verdicts[-1].accepted
 
