@@ -205,8 +205,8 @@ def _settle_home(core: Core, chart: Chart) -> str:
         core.vehicle_state.navigation,
     )
     assert navigation is not None
-    home = mission.home or vehicle_state.home_from_fixes()
     fresh = vehicle_state.fix is not None and core.now - vehicle_state.fix.t <= FIX_AGE
+    home = mission.home or (vehicle_state.home_from_fixes() if fresh else None)
     if home is None and not mission.start_without_fix:
         return f"no home: it takes five fixes in a row within 10 m and HDOP 3 at most{_ALLOW}"
     if home is not None and not fresh and not mission.start_without_fix:
@@ -215,10 +215,10 @@ def _settle_home(core: Core, chart: Chart) -> str:
         within = mission.start_within(core.vehicle.sensors.fix)
         if why := too_far(_from(home, core), core.watch.bounds, within):
             return why
-    if home is not None:
-        navigation.set_origin(home, core.now)
     if home is None or not fresh:
         navigation.start_here(core.now)
+    if home is not None:
+        navigation.set_origin(home, core.now)
     navigation.assume_current(mission.current(core.vehicle.current))
     vehicle_state.estimate = navigation.estimate(core.now)
     return ""

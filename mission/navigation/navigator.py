@@ -74,8 +74,10 @@ class Navigation:
         self._settle(new)
 
     def start_here(self, now: float, sigma: float = 0.1) -> None:
-        """Without any fix, the vehicle is at the origin: positions count from the start."""
+        """Without any fix, the vehicle is at the origin: positions count from the start. Where that
+        is on the earth the next fix tells, or a home that is set; no frame of before does."""
         self.core.place(now, 0.0, 0.0, sigma * sigma)
+        self.frame = None
         self._history.clear()
 
     def assume_current(self, most: float) -> None:

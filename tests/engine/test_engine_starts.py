@@ -244,7 +244,7 @@ def test_places_of_before_a_dive_that_are_said_again_behind_it_start_no_mission(
     for again in (0.0, 240.0):
         world.t += again
         world.tell(world.report(), *(replace(fix, t=world.t) for fix in said))
-    assert refusal(world, StartMission()).startswith("no fix for 5 s")
+    assert refusal(world, StartMission()).startswith("no fix for 5 s" if home else "no home")
     world.tell(*(world.fix(north=250.0 + 0.5 * n) for n in range(5)))
     assert refusal(world, StartMission())[:13] == ("home is 252 m" if home else "")
 
@@ -257,6 +257,19 @@ def test_without_a_fix_a_mission_that_allows_it_reckons_from_where_it_is():
         assert world.nav.mode is NavigationMode.DEAD_RECKONING
         assert (world.nav.frame.origin if world.nav.frame else None) == frame
         assert world.engine.estimate.mode is NavigationMode.DEAD_RECKONING
+
+
+@pytest.mark.parametrize(("fixes", "hdop", "age"), [(1, 1.0, 600.0), (5, 1.0, 5.1), (5, 4.0, 0.0)])
+def test_home_is_where_it_is_started_and_no_place_of_before(fixes: int, hdop: float, age: float):
+    """It was carried, or its fixes are no home: the next fix tells where on the earth that is."""
+    world = World(mission(leg("a"), home=None, start_without_fix=True))
+    world.nav.set_origin(HOME, world.t)
+    world.tell(*(world.fix(0.5 * n, hdop=hdop) for n in range(fixes)))
+    world.t += age
+    world.tell(world.report())
+    assert refusal(world, StartMission()) == ""
+    assert world.nav.frame is None
+    assert world.nav.mode is NavigationMode.DEAD_RECKONING
 
 
 def test_a_mission_that_allows_it_still_does_not_start_far_from_home_where_that_is_known():

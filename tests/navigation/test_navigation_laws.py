@@ -15,6 +15,7 @@ from mission.model.shipped import load_vehicle
 from mission.model.vehicle import Vehicle
 from mission.navigation import LocalFrame, Navigation
 from mission.navigation.distribution import PLANE_95, principal
+from mission.navigation.geodesy import EARTH
 from protocol.messages import Fix, Telemetry
 
 Item = tuple[Truth, Telemetry | Fix]
@@ -290,12 +291,15 @@ def test_a_start_leaves_what_is_less_known_than_it_assumes_as_it_is(
     assert (nav.core.filter.covariance == before).all()
 
 
+@pytest.mark.parametrize("heard", [False, True])
 def test_a_start_without_a_fix_counts_from_the_start_and_a_fix_does_not_move_it(
-    vehicle: Vehicle, dive: list[Item]
+    vehicle: Vehicle, dive: list[Item], heard: bool
 ) -> None:
     nav = Navigation(vehicle)
     reports = [item for item in dive[:150] if isinstance(item[1], Telemetry)]
     feed(nav, reports[:2])
+    if heard:  # some 500 m away, before it was carried to where it starts
+        nav.fix(Fix(reports[1][0].t, 0.5 + 500.0 / EARTH, 2.0, 2.5))
     nav.start_here(reports[1][0].t)
     feed(nav, reports[2:])
     before = nav.estimate(80.0)
@@ -306,6 +310,8 @@ def test_a_start_without_a_fix_counts_from_the_start_and_a_fix_does_not_move_it(
     after = nav.estimate(80.0)
     assert after is not None
     assert (after.north, after.east) == pytest.approx((before.north, before.east), abs=0.01)
+    assert nav.frame is not None
+    assert nav.frame.to_local(0.5, 2.0) == pytest.approx((after.north, after.east), abs=0.01)
 
 
 def test_without_the_compass_the_position_becomes_uncertain_soon(

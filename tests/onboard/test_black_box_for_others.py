@@ -6,6 +6,8 @@ import itertools
 import json
 import math
 from collections import Counter
+from collections.abc import Iterable
+from dataclasses import replace
 from pathlib import Path
 from shutil import copyfile
 
@@ -33,7 +35,7 @@ from mission.onboard.blackbox import (
 )
 from mission.onboard.blackbox.closed import CHUNK_S
 from mission.onboard.runtime import records as rec
-from mission.onboard.stream.derived import Derivation
+from mission.onboard.stream.derived import Derivation, Message
 from mission.onboard.stream.plan import plan_geojson
 from mission.onboard.stream.topics import DERIVED, RAW, TOPICS
 
@@ -164,6 +166,23 @@ def test_places_on_the_earth_are_those_of_the_estimate(growing: Path) -> None:
         assert north == pytest.approx(state["north_m"], abs=0.5 + 0.01 * abs(state["north_m"]))
         assert place["latitude"] == state["latitude_deg"]
         assert place["altitude"] == pytest.approx(-(state["depth_m"] or 0.0))
+
+
+def test_while_nobody_knows_where_home_is_an_estimate_is_no_place_on_the_earth(
+    growing: Path,
+) -> None:
+    """As behind a start without a fix, until the next fix."""
+    records = list(read_parts(growing))
+    derivation = Derivation(records[0])
+    told = [list(derivation.receive(record)) for record in records]
+    last = next(i for i, made in reversed(list(enumerate(told))) if _places(made))
+    standing = rec.read_standing([r for r in records if r.kind == rec.STANDING][-1])
+    list(derivation.receive(rec.standing_record(records[last].t, replace(standing, origin=None))))
+    assert not _places(derivation.receive(records[last]))
+
+
+def _places(made: Iterable[Message]) -> list[Message]:
+    return [message for message in made if message.topic == "position"]
 
 
 def test_the_margins_are_what_is_left_to_the_limits_in_force(growing: Path) -> None:

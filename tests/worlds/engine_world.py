@@ -75,6 +75,7 @@ class Navigation:
         self.frame = Frame(position)
 
     def start_here(self, now: float) -> None:
+        self.frame = None
         self.mode = NavigationMode.DEAD_RECKONING
 
     def assume_current(self, most: float) -> None:

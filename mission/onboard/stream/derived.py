@@ -125,7 +125,9 @@ class Derivation:
     def _stand(self, record: Record) -> Iterator[Message]:
         self._standing = rec.read_standing(record)
         origin = self._standing.origin
-        if origin is not None and (self._frame is None or self._frame.origin != origin):
+        if origin is None:
+            self._frame = None
+        elif self._frame is None or self._frame.origin != origin:
             self._frame = LocalFrame(origin)
             yield from self._plan(record.t)
 
