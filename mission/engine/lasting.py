@@ -45,6 +45,12 @@ class Lasting:
         if since + (1.0 + BACK) * (now - gone) >= now:
             self.forget(name)
 
+    def unseen(self, name: str, seconds: float) -> None:
+        """Notes that for so long nobody could tell, which counts neither way."""
+        for times in (self._since, self._gone):
+            if name in times:
+                times[name] += seconds
+
     def forget(self, name: str) -> None:
         self._since.pop(name, None)
         self._gone.pop(name, None)

@@ -10,7 +10,7 @@ from mission.engine.lasting import Lasting
 from mission.engine.limits import LIMITS, Limit, On, never
 from mission.engine.vehicle_state import VehicleState
 from mission.engine.watch import Watch
-from mission.model.vehicle import Vehicle
+from mission.model.vehicle import STALE_AFTER, Vehicle
 
 
 class LimitMonitor(Watch):
@@ -32,10 +32,12 @@ class LimitMonitor(Watch):
         self.breaches: tuple[Limit, ...] = ()
         self.samples: dict[str, int] = {}  # breached ones, less those within the bound
         self._lasting = Lasting()
+        self._seen: dict[str, float] = {}  # of those that must last for seconds: when it was known
 
     def begin(self, now: float) -> None:
         super().begin(now)
         self.samples, self._lasting, self.breaches = {}, Lasting(), ()
+        self._seen = {}
 
     def forgive(self, row: Limit) -> None:
         """Starts the counts of a limit anew, after a response that may mend it."""
@@ -73,7 +75,7 @@ class LimitMonitor(Watch):
     def _lasts(self, row: Limit) -> bool:
         """Counts a breach on; returns whether it has lasted for as long as its row asks."""
         if row.seconds:
-            now = self.vehicle_state.now
+            now = self._known(row)
             return now - self._lasting.holds(row.name, now) >= row.seconds
         count = self.samples[row.name] = min(self.samples.get(row.name, 0) + 1, row.samples)
         return count >= row.samples
@@ -82,6 +84,16 @@ class LimitMonitor(Watch):
         """Counts a sample within the bound: it takes one from the breach's count, because noise may
         produce it."""
         if row.seconds:
-            self._lasting.breaks(row.name, self.vehicle_state.now)
+            self._lasting.breaks(row.name, self._known(row))
         elif count := self.samples.pop(row.name, 0):
             self.samples[row.name] = count - 1
+
+    def _known(self, row: Limit) -> float:
+        """Notes that it is known now whether the row is breached; s. What was known before stood
+        until then, but no longer than what a report says is believed."""
+        now, name = self.vehicle_state.now, row.name
+        unseen = now - self._seen.get(name, now) - STALE_AFTER
+        if unseen > 0.0:
+            self._lasting.unseen(name, unseen)
+        self._seen[name] = now
+        return now

@@ -32,6 +32,18 @@ def test_a_break_as_long_as_half_of_what_was_ends_it() -> None:
     assert not lasting
 
 
+def test_time_in_which_nobody_could_tell_counts_neither_way() -> None:
+    lasting = Lasting()
+    lasting.holds("a", 0.0)
+    lasting.unseen("a", 100.0)
+    assert lasting.holds("a", 101.0) == 100.0
+    lasting.breaks("a", 110.0)
+    lasting.unseen("a", 50.0)
+    assert lasting.holds("a", 161.0) == 153.0  # 1 s of break, and 2 s for it
+    lasting.unseen("b", 50.0)
+    assert lasting.holds("b", 162.0) == 162.0
+
+
 def test_what_never_held_does_not_end() -> None:
     lasting = Lasting()
     lasting.breaks("a", 1.0)

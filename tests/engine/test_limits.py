@@ -158,6 +158,53 @@ def test_a_good_moment_takes_twice_its_time_back(monkeypatch):
     assert _looks(row, monkeypatch, said).index(True) == 8
 
 
+def _low(world: World, seconds: float) -> None:
+    """The voltage is below its limit in the next report, so much later."""
+    world.wait(seconds, reports=False)
+    world.tell(world.report(batteries=(VEHICLE.limits.voltage - 1.0, 48.0)))
+
+
+def _unknown(world: World, seconds: float) -> None:
+    world.nav.doubt["battery"] = "absurd"
+    world.wait(seconds)
+    world.nav.doubt.clear()
+
+
+def test_what_nobody_could_tell_for_long_is_no_time_that_a_breach_lasted():
+    """One low report stands for 6 s without another, and no longer."""
+    world = flying()
+    _low(world, 1.0)
+    _unknown(world, 60.0)
+    for pause in (0.0, 2.0, 1.9):
+        _low(world, pause)
+        assert world.state == "autonomous/out"
+    _low(world, 0.1)
+    assert world.state == SURFACING
+
+
+def test_reports_that_are_lost_between_two_that_breach_count_as_they_do():
+    world = flying()
+    _low(world, 1.0)
+    for _ in range(2):
+        assert world.state == "autonomous/out"
+        _unknown(world, 5.0)
+        _low(world, 0.0)
+    assert world.state == SURFACING
+
+
+def test_a_course_apart_once_before_a_dive_and_once_behind_it_is_no_breach():
+    world = flying()
+    world.nav.speed = 0.75
+    for dive in (0.0, 90.0):
+        world.depth = 10.0
+        world.wait(dive)
+        world.depth = 0.2
+        world.wait(2.0)
+        assert world.state == "autonomous/out"
+        world.tell(world.fix(speed=0.8, course=math.radians(90.0)))
+        assert world.state == "autonomous/out"
+
+
 @pytest.mark.replaces
 @pytest.mark.parametrize("row", LIMITS.values(), ids=lambda row: row.name)
 def test_a_limit_is_looked_at_when_its_source_speaks_and_no_other_time(row, monkeypatch):
