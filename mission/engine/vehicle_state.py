@@ -96,9 +96,8 @@ class VehicleState:
         s, the age at which a report is believed no more. ``rise``: m/s by buoyancy alone;
         ``sink``: m/s at most; ``deepest``: m, its own depth."""
         self.navigation = navigation
-        self._stale_after, self._rise = stale_after, rise
-        self._sink, self._deepest = sink, deepest
-        self._grounded = grounded
+        self._grounded, self._stale_after = grounded, stale_after
+        self._rise, self._sink, self._deepest = rise, sink, deepest
         self.now = 0.0
         self.telemetry: Telemetry | None = None
         self.fixes: tuple[Fix, ...] = ()  # the last five, neither stale nor too deep, oldest first
@@ -159,8 +158,9 @@ class VehicleState:
             self._shallow_since = None
         elif self._shallow_since is None or (silent and not self._grounded):
             self._shallow_since = report.t
-        if report.heading is not None and self.estimate and self.estimate.heading is not None:
-            self._offset = wrap(report.heading - self.estimate.heading)
+        true = self.estimate.heading if self.estimate else None
+        if report.heading is not None and true is not None and self.health("heading").valid:
+            self._offset = wrap(report.heading - true)
 
     def _was_silent(self, report: Telemetry) -> bool:
         """What it said before is too long ago to go on from (R7)."""

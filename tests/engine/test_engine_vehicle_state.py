@@ -400,6 +400,10 @@ def test_the_compass_says_a_true_heading_with_what_it_is_off_now():
     assert vehicle_state.compass(6.2) == pytest.approx(6.2 + off - math.tau)
     told(vehicle_state, 12.0, heading=None)
     assert vehicle_state.compass(1.0) == pytest.approx(1.0 + off)
+    navigation.doubt["heading"] = "absurd"
+    told(vehicle_state, 13.0, heading=3.0)
+    assert vehicle_state.compass(1.0) == pytest.approx(1.0 + off)
+    navigation.doubt.clear()
     told(vehicle_state, 14.0, heading=6.0)
     assert vehicle_state.compass(1.0) == pytest.approx(1.0)
 
