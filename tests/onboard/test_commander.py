@@ -39,10 +39,12 @@ def test_whoever_commands_may_go_on_and_others_only_after_ten_seconds_of_silence
     assert one.why_not(B, 110.001) != ""
 
 
-def test_a_commander_that_never_said_a_frame_is_not_taken_for_silent() -> None:
+def test_who_is_not_heard_keeps_nobody_from_commanding() -> None:
     one = Commander()
     one.hand_over(A)
-    assert one.why_not(B, 1e6) != ""
+    assert one.why_not(B, 1.0) == ""
+    one.hear(A, 1.0)
+    assert one.why_not(B, 1.0) != ""
 
 
 def test_the_last_of_all_operators_is_remembered_and_who_spoke_is_known() -> None:

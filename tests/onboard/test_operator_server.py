@@ -337,6 +337,23 @@ def test_a_retry_of_a_switch_is_answered_once(pi: Pi) -> None:
     assert [tx.data for tx in pi.topside.outgoing(1.5)] == [b"@ACK_NSS$"]
 
 
+def test_a_connection_that_closes_before_its_switch_is_done_does_not_command(pi: Pi) -> None:
+    pi.hear(NodeSwitch("OOOOOO"))
+    pi.topside.disconnected(BOAT)
+    pi.topside.changed(b"CAMERA O\n", 3.5)
+    assert pi.topside.commander.peer is None
+    assert pi.hear(SetSafety(radius=50.0), 3.6, OTHER) == [b"@ACK_SPP$"]
+
+
+def test_of_those_who_ask_for_one_switch_the_first_who_is_still_there_commands(pi: Pi) -> None:
+    pi.hear(NodeSwitch("OOOOOO"))
+    pi.hear(NodeSwitch("OOOOOO"), 1.0, OTHER)
+    pi.topside.disconnected(BOAT)
+    pi.topside.changed(b"CAMERA O\n", 3.5)
+    assert [tx.data for tx in pi.topside.outgoing(3.5)] == [b"@ACK_NSS$"]
+    assert pi.topside.commander.peer == OTHER
+
+
 def test_the_pi_does_not_close_itself(pi: Pi) -> None:
     assert pi.hear(NodeSwitch("COOOCO")) == [b"@ACK_NSS$"]
     assert pi.hear(b"@NI$") == [b"@ACK_NI\x2f$"]

@@ -45,7 +45,9 @@ class Commander:
     def why_not(self, peer: Peer, now: float) -> str:
         """Why ``peer`` may not command; "" if he may."""
         other = self.peer
-        if other is None or other == peer or now - self._heard.get(other, now) > COMMANDER_SILENT_S:
+        if other is None or other == peer:
+            return ""
+        if now - self._heard.get(other, -math.inf) > COMMANDER_SILENT_S:
             return ""
         return f"{other} commands; others read until it closes or is silent 10 s"
 

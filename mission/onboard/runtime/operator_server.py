@@ -63,7 +63,6 @@ from protocol.topside import answer
 
 RELAY_ANSWER_S = 5.0
 ORDER_ANSWER_S = 10.0
-
 TELL_S = 1.0  # between two reports that tell one and the same why nothing is relayed
 
 YES, NO = ord("Y"), ord("N")
@@ -248,7 +247,7 @@ class OperatorServer:
         return verdict
 
     def _conclude(self, peer: Peer, command: Command, verdict: Verdict, now: float) -> None:
-        if verdict.accepted:
+        if verdict.accepted and peer in self._paths:
             self._hand_over(peer, now)
         if not isinstance(command, Manual):
             self.copies.note(peer, command, verdict.accepted, now)
@@ -326,6 +325,7 @@ class OperatorServer:
     def _conclude_switch(self, verdict: Verdict, now: float) -> None:
         if self._switching is not None:
             (peers, command), self._switching = self._switching, None
+            peers.sort(key=lambda peer: peer not in self._paths)  # first who is there
             self._conclude(peers[0], command, verdict, now)
             for peer in peers[1:]:
                 self._answer(peer, command, verdict, now)
