@@ -23,28 +23,35 @@ def commanded_by(peer: Peer, *, reads: bool = True) -> Commander:
 
 def test_where_nobody_commands_anybody_may() -> None:
     one = Commander()
-    assert one.why_not(A, 0.0) == ""
+    assert one.why_not(A, 0.0, 0.0) == ""
     assert one.peer is None
     assert one.heard_at == -math.inf
 
 
 def test_whoever_commands_may_go_on_and_others_only_after_ten_seconds_of_silence() -> None:
     one = commanded_by(A)
-    assert one.why_not(A, 1e6) == ""
+    assert one.why_not(A, 1e6, 1e6) == ""
     assert COMMANDER_SILENT_S == 10.0
-    why = one.why_not(B, 110.0)
+    why = one.why_not(B, 110.0, 110.0)
     assert "topside a" in why
-    assert one.why_not(B, 110.001) == ""
+    assert one.why_not(B, 110.001, 110.001) == ""
     one.hear(A, 105.0)
-    assert one.why_not(B, 110.001) != ""
+    assert one.why_not(B, 110.001, 110.001) != ""
 
 
 def test_who_is_not_heard_keeps_nobody_from_commanding() -> None:
     one = Commander()
     one.hand_over(A)
-    assert one.why_not(B, 1.0) == ""
+    assert one.why_not(B, 1.0, 1.0) == ""
     one.hear(A, 1.0)
-    assert one.why_not(B, 1.0) != ""
+    assert one.why_not(B, 1.0, 1.0) != ""
+
+
+def test_what_was_said_before_an_x_or_w_commands_nothing_behind_it() -> None:
+    one = commanded_by(A)
+    one.ordered_at = 100.0
+    assert one.why_not(A, 103.0, 99.9) == "an X or W, said behind it, has overtaken it"
+    assert one.why_not(A, 103.0, 100.0) == ""
 
 
 def test_the_last_of_all_operators_is_remembered_and_who_spoke_is_known() -> None:
@@ -66,7 +73,7 @@ def test_a_commander_that_closes_commands_no_more_and_another_that_closes_change
     assert one.peer == A
     one.forget(A)
     assert one.peer is None
-    assert one.why_not(B, 100.0) == ""
+    assert one.why_not(B, 100.0, 100.0) == ""
 
 
 def test_a_loser_is_told_if_it_reads_reports_and_is_not_under_water() -> None:

@@ -83,7 +83,7 @@ def test_what_came_between_two_paths_counts_and_not_the_first_answer(pi: Pi) -> 
 
 
 def test_the_same_switch_by_both_paths_at_once_is_done_once_and_answered_twice(pi: Pi) -> None:
-    pi.topside.receive(BOAT, b"@NSOOCOCO$", 0.0)
+    pi.topside.receive(BOAT, b"@NSOOCOCO$", 0.0, 0.0)
     before = pi.topside.outgoing(0.0)
     assert pi.hear(NodeSwitch("OOCOCO"), 0.5, WATER) == []
     assert pi.topside.outgoing(0.5) == []

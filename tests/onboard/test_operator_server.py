@@ -255,28 +255,41 @@ def test_who_stops_the_vehicle_commands_it(pi: Pi) -> None:
     assert pi.hear(ClearMission(), 2.0, BOAT) == [b"@ACK_ACN$"]
 
 
+def test_what_was_said_before_an_order_is_refused_behind_it(pi: Pi) -> None:
+    pi.hear(Emergency(Order.STOP), 0.6, OTHER)
+    pi.topside.disconnected(OTHER)
+    pi.target.decided.clear()
+    assert pi.hear(ClearMission(), 4.0, BOAT, said=0.5) == [b"@ACK_ACN$"]
+    assert pi.hear(b"@MMF5$", 4.0, BOAT, said=0.5) == []
+    assert (pi.target.decided, pi.target.relayed, pi.target.sticks) == ([], [], [4.0])
+    assert pi.hear(Emergency(Order.SURFACE), 4.0, BOAT, said=0.5) == []
+    assert pi.target.decided == [Emergency(Order.SURFACE)]
+    assert pi.hear(ClearMission(), 4.0, BOAT, said=0.55) == [b"@ACK_ACN$"]
+    assert pi.hear(ClearMission(), 4.0, BOAT, said=0.6) == [b"@ACK_ACC$"]
+
+
 def test_who_loses_the_command_and_reads_reports_is_told_by_one(pi: Pi) -> None:
     pi.hear(StoreQuery(), 0.0, BOAT)
     pi.hear(StartMission(), 0.0, BOAT)
-    pi.topside.receive(OTHER, encode(Emergency(Order.STOP)), 1.0)
+    pi.topside.receive(OTHER, encode(Emergency(Order.STOP)), 1.0, 1.0)
     out = [tx for tx in pi.topside.outgoing(1.0) if tx.address == BOAT.address]
     assert [tx.data.rpartition(b",")[0].rpartition(b",")[2] for tx in out] == [
         b"topside other:2 has taken the command"
     ]
-    pi.topside.receive(OTHER, encode(Emergency(Order.SURFACE)), 1.1)
+    pi.topside.receive(OTHER, encode(Emergency(Order.SURFACE)), 1.1, 1.1)
     assert pi.topside.outgoing(1.1) == [], "once"
 
 
 def test_a_plain_topside_never_sees_a_report_it_did_not_ask_for(pi: Pi) -> None:
     pi.hear(StartMission(), 0.0, BOAT)
-    pi.topside.receive(OTHER, encode(Emergency(Order.STOP)), 1.0)
+    pi.topside.receive(OTHER, encode(Emergency(Order.STOP)), 1.0, 1.0)
     assert pi.topside.outgoing(1.0) == []
 
 
 def test_under_water_nobody_is_told_unasked_that_he_lost_the_command(pi: Pi) -> None:
     pi.hear(StoreQuery(), 0.0, WATER)
     pi.hear(StartMission(), 20.0, WATER)
-    pi.topside.receive(BOAT, encode(Emergency(Order.STOP)), 40.0)
+    pi.topside.receive(BOAT, encode(Emergency(Order.STOP)), 40.0, 40.0)
     assert pi.topside.outgoing(40.0) == []
     assert pi.later(60.0) == []
 
@@ -315,7 +328,7 @@ def test_a_switch_is_answered_when_all_nodes_have_changed(pi: Pi) -> None:
 
 
 def test_what_the_processes_are_asked_for_goes_to_them(pi: Pi) -> None:
-    pi.topside.receive(BOAT, b"@NSOOCOOO$", 0.0)
+    pi.topside.receive(BOAT, b"@NSOOCOOO$", 0.0, 0.0)
     sent = [(tx.link, tx.data) for tx in pi.topside.outgoing(0.0)]
     assert sent == [("nodes", b"BDGPS C"), ("nodes", b"CAMERA O")]
 

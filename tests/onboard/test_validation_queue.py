@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import asyncio
 import threading
-from collections.abc import Iterator
+from collections.abc import Coroutine, Iterator
 from pathlib import Path
 
 import pytest
@@ -12,6 +13,7 @@ from served import LINES, PATIENCE, Running, asked, read_now, running, silent_bo
 from links.base import Rx
 from mission.analysis.replay.replay import replay
 from mission.model import Chart
+from mission.model.regions import EMERGENCY, IDLE
 from mission.model.vehicle import Vehicle
 from mission.onboard.blackbox import read_parts
 from mission.onboard.runtime import mission_validator
@@ -97,21 +99,81 @@ def test_a_mission_that_is_judged_is_stored_and_what_came_after_it_is_heard(
     assert all(replay(list(read_parts(box))).identical for box in boxes(pi))
 
 
-def test_an_order_that_overtook_is_not_given_again(thinking: Thinking) -> None:
-    passed: list[bytes] = []
-    jobs = []
+class Pi:
+    """A queue whose first read is always judged, and a runtime that knows X and W alone."""
 
-    class Foreseeing:
-        def foresee(self, rx: Rx) -> tuple[str, ...]:
-            return ("a line",)
+    def __init__(self) -> None:
+        self.region, self.passed = IDLE, list[Rx]()
+        self.jobs: list[Coroutine[None, None, None]] = []
+        self.queue = ValidationQueue(self._pass_on, self.jobs.append)
 
-    queue = ValidationQueue(lambda rx: passed.append(rx.data), jobs.append)
-    runtime: Runtime = Foreseeing()  # type: ignore[assignment]
-    queue.hear(Rx(0.0, "topside", b"@AW", "a:1"), runtime)
-    queue.hear(Rx(0.1, "topside", b"@DU$@ZAX0$@NI$", "a:1"), runtime)
-    assert [data.strip(b"\xff") for data in passed] == [b"@ZAX0$"]
-    held = queue.held["topside", "a:1"]
-    assert b"ZAX0" not in b"".join(rx.data for rx in held)
-    assert held[1].data.startswith(b"@DU$")
-    assert held[1].data.endswith(b"@NI$")
-    jobs[0].close()
+    @property
+    def engine(self) -> Pi:
+        return self
+
+    def foresee(self, rx: Rx) -> tuple[str, ...]:
+        return ("a line",) if rx.data.startswith(b"@AW") else ()
+
+    def hear(self, t: float, data: bytes, address: str = "a:1") -> None:
+        runtime: Runtime = self  # type: ignore[assignment]
+        self.queue.hear(Rx(t, "topside", data, address), runtime)
+
+    def heard(self) -> list[tuple[float, bytes]]:
+        said, self.passed = self.passed, []
+        return [(rx.t, rx.data.strip(b"\xff")) for rx in said if rx.data.strip(b"\xff")]
+
+    def _pass_on(self, rx: Rx) -> None:
+        self.passed.append(rx)
+        if b"@ZA" in rx.data and rx.data.endswith(b"$"):
+            self.region = EMERGENCY
+
+
+@pytest.fixture
+def judging() -> Iterator[Pi]:
+    """From 0.0 on the line of ``a:1``."""
+    pi = Pi()
+    pi.hear(0.0, b"@AW")
+    yield pi
+    for job in pi.jobs:
+        job.close()
+
+
+def test_an_order_overtakes_what_is_held_once_and_what_stood_before_it_is_dropped(
+    judging: Pi,
+) -> None:
+    judging.hear(0.1, b"@DU$")
+    assert judging.heard() == []
+    judging.hear(0.2, b"@AC$@ZAX0$@NI$")
+    order, *held = judging.heard()
+    assert order == (0.2, b"@ZAX0$")
+    assert held == [(0.0, b"@AW"), (0.1, b"@DU$"), (0.2, b"@NI$")]
+
+
+def test_an_order_that_comes_in_pieces_overtakes_with_the_last_of_them(judging: Pi) -> None:
+    for t, piece in ((0.1, b"@"), (0.2, b"ZA"), (0.3, b"F"), (0.4, b"@ZAW"), (0.5, b"F0")):
+        judging.hear(t, piece)
+    assert judging.heard() == []
+    judging.hear(0.6, b"$@ZA")
+    judging.hear(0.7, b"WF$")
+    assert judging.heard()[0] == (0.7, b"@ZAWF$")
+
+
+def test_what_is_held_goes_on_as_soon_as_another_stops_the_vehicle(judging: Pi) -> None:
+    judging.hear(0.1, b"@MMF5$")
+    judging.hear(0.2, b"@DU$", "b:2")
+    assert judging.heard() == [(0.2, b"@DU$")]
+    judging.hear(0.3, b"@ZAX0$", "b:2")
+    assert judging.heard() == [(0.3, b"@ZAX0$"), (0.0, b"@AW"), (0.1, b"@MMF5$")]
+    judging.hear(0.4, b"@MMF5$")
+    assert judging.heard() == [(0.4, b"@MMF5$")], "at once from then on"
+
+
+def test_a_verdict_lets_go_only_what_was_held_for_it(judging: Pi) -> None:
+    judging.hear(0.1, b"@ZAX0$", "b:2")
+    judging.region = IDLE
+    judging.hear(0.2, b"@AW again")
+    judging.heard()
+    asyncio.run(judging.jobs[0])
+    assert judging.heard() == []
+    asyncio.run(judging.jobs[1])
+    assert judging.heard() == [(0.2, b"@AW again")]

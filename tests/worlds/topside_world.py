@@ -103,11 +103,17 @@ class Pi:
         for peer in (BOAT, OTHER, WATER):
             self.topside.connected(peer)
 
-    def hear(self, command: Command | bytes, now: float = 0.0, peer: Peer = BOAT) -> list[bytes]:
+    def hear(
+        self,
+        command: Command | bytes,
+        now: float = 0.0,
+        peer: Peer = BOAT,
+        said: float | None = None,
+    ) -> list[bytes]:
         """What goes back to that peer at once (under water: when its turn comes)."""
         data = command if isinstance(command, bytes) else encode(command)
         sent = wrap(data, Sender.TOPSIDE) if peer is WATER else data
-        self.topside.receive(peer, sent, now)
+        self.topside.receive(peer, sent, now, now if said is None else said)
         out = self.topside.outgoing(now)
         if peer is WATER:
             out += self.later(now + 0.2)

@@ -3,6 +3,8 @@
     nobody --accepted--> A --accepted from B: A closed, or silent for 10 s--> B
                          A --X or W from B, at any time--> B
 
+Nobody commands by what he said before the last X or W, whoever gave it (R7).
+
 What does not live here: what a command does and what is answered (topside).
 """
 
@@ -19,6 +21,7 @@ class Commander:
     def __init__(self) -> None:
         self.peer: Peer | None = None
         self.heard_at = -math.inf  # when some operator last said something that is a frame
+        self.ordered_at = -math.inf  # when the last X or W was said
         self._heard: dict[Peer, float] = {}
         self._readers: set[Peer] = set()
 
@@ -42,8 +45,11 @@ class Commander:
         if self.peer == peer:
             self.peer = None
 
-    def why_not(self, peer: Peer, now: float) -> str:
-        """Why ``peer`` may not command; "" if he may."""
+    def why_not(self, peer: Peer, now: float, said: float) -> str:
+        """Why ``peer`` may not command what he has ``said`` then, and what may have been held
+        since; "" if he may."""
+        if said < self.ordered_at:
+            return "an X or W, said behind it, has overtaken it"
         other = self.peer
         if other is None or other == peer:
             return ""

@@ -64,7 +64,6 @@ from protocol.topside import answer
 RELAY_ANSWER_S = 5.0
 ORDER_ANSWER_S = 10.0
 TELL_S = 1.0  # between two reports that tell one and the same why nothing is relayed
-
 YES, NO = ord("Y"), ord("N")
 Query = DataQuery | StoreQuery | StateQuery | NodeQuery
 
@@ -103,9 +102,9 @@ class OperatorServer:
         self._pending.forget(peer)
         self.commander.forget(peer)
 
-    def receive(self, peer: Peer, data: bytes, now: float) -> None:
+    def receive(self, peer: Peer, data: bytes, now: float, said: float) -> None:
         self.connected(peer)
-        self._take(peer, self._paths[peer].receive(data, now), now)
+        self._take(peer, self._paths[peer].receive(data, now), now, said)
 
     def foresee(self, peer: Peer, data: bytes, now: float) -> tuple[str, ...]:
         """The set of lines that these bytes would make whole, () if none. Changes nothing."""
@@ -120,7 +119,7 @@ class OperatorServer:
 
     def handle_timer(self, now: float) -> None:
         for peer, path in list(self._paths.items()):
-            self._take(peer, path.handle_timer(now), now)
+            self._take(peer, path.handle_timer(now), now, now)
         self._settle(now)
 
     def next_timer(self) -> float | None:
@@ -170,7 +169,7 @@ class OperatorServer:
 
     # --- commands -------------------------------------------------------------------------
 
-    def _take(self, peer: Peer, heard: list[Heard], now: float) -> None:
+    def _take(self, peer: Peer, heard: list[Heard], now: float, said: float) -> None:
         for item in heard:
             if isinstance(item, FrameFault):
                 self._faults.append((peer, item))
@@ -178,7 +177,7 @@ class OperatorServer:
                 self._refuse_unfit(peer, item, now)
             else:
                 self.commander.hear(peer, now)
-                self._command(peer, item, now)
+                self._command(peer, item, now, said)
 
     def _refuse_unfit(self, peer: Peer, unfit: Unfit, now: float) -> None:
         self._faults.append((peer, unfit.fault))
@@ -186,8 +185,9 @@ class OperatorServer:
         if self._answer_no:
             self._send(peer, answer(unfit.code, False, now), now, unfit.fault.kind)
 
-    def _command(self, peer: Peer, command: Command, now: float) -> None:
+    def _command(self, peer: Peer, command: Command, now: float, said: float) -> None:
         if isinstance(command, Emergency):
+            self.commander.ordered_at = max(said, self.commander.ordered_at)
             self._emergency(peer, command, now)
         elif isinstance(command, Query):
             if isinstance(command, StoreQuery):
@@ -196,7 +196,7 @@ class OperatorServer:
         elif (verdict := self.copies.judge(peer, command, now)) is not None:
             self._answer_copy(peer, command, verdict, now)
         else:
-            why = self.commander.why_not(peer, now)
+            why = self.commander.why_not(peer, now, said)
             verdict = Verdict(False, why) if why else self._execute(peer, command, now)
             if isinstance(command, Manual) and verdict is not None and not verdict.accepted:
                 self._target.hear_stick(now)

@@ -139,7 +139,7 @@ class Runtime:
         elif rx.link == NODES:
             self._topside.changed(rx.data, now)
         else:
-            self._topside.receive(Peer(rx.link, rx.address), rx.data, now)
+            self._topside.receive(Peer(rx.link, rx.address), rx.data, now, rx.t)
             self._engine.hear_topside(self._topside.commander.heard_at)
         return self._leave(now)
 

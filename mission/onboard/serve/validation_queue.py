@@ -8,7 +8,9 @@ overtake it.
 
 A long mission takes seconds to be judged, more on a Pi. Without this the loop would stand still:
 no X would leave, and the service manager would find it hung. An X or W of the same connection
-overtakes what is held, marked by bytes that end a frame that had begun.
+overtakes what is held, marked by bytes that end a frame that had begun; what stood before it in
+its read is dropped. Out of idle no line is taken: all that is held goes on at once, and the runtime
+refuses what was said before an X or W (R7).
 
 What does not live here: the verdict, and what is answered (runtime).
 """
@@ -22,12 +24,15 @@ from collections.abc import Callable, Coroutine
 from typing import Any
 
 from links.base import Rx
+from mission.model.regions import IDLE
 from mission.onboard.runtime.runtime import Runtime
 from mission.onboard.serve.rate_limiter import BREAK
 from mission.onboard.uncollected import uncollected
 from protocol.topside import EMERGENCIES
 
 _ORDER = re.compile(b"|".join(re.escape(frame) for frame in EMERGENCIES.values()))
+_TAIL = 1 - max(map(len, EMERGENCIES.values()))  # where an X or W may begin that is not whole yet
+_Whose = tuple[str, str]  # link and address
 
 
 class ValidationQueue:
@@ -37,20 +42,25 @@ class ValidationQueue:
         spawn: Callable[[Coroutine[Any, Any, None]], None],
     ) -> None:
         self._pass_on, self._spawn = pass_on, spawn
-        self.held: dict[tuple[str, str], list[Rx]] = {}
-        self.gone: dict[tuple[str, str], Callable[[], None]] = {}
+        self.held: dict[_Whose, list[Rx]] = {}
+        self.gone: dict[_Whose, Callable[[], None]] = {}
 
     def hear(self, rx: Rx, runtime: Runtime) -> None:
         whose = rx.link, rx.address
         if (held := self.held.get(whose)) is not None:
-            for order in _ORDER.findall(rx.data):
-                self._pass_on(rx._replace(data=BREAK + order))
-            held.append(rx._replace(data=_ORDER.sub(BREAK, rx.data)))
+            heard, behind = _end_of(held) + rx.data, rx.data
+            for order in _ORDER.finditer(heard):
+                self._pass_on(rx._replace(data=BREAK + order[0]))
+                behind = BREAK + heard[order.end() :]
+            held.append(rx._replace(data=behind))
         elif lines := runtime.foresee(rx):
-            self.held[whose] = [rx]
-            self._spawn(self._judge(whose, lines, runtime))
+            self.held[whose] = held = [rx]
+            self._spawn(self._judge(whose, held, lines, runtime))
         else:
             self._pass_on(rx)
+        if runtime.engine.region != IDLE:
+            for each in tuple(self.held):
+                self._let_go(each)
 
     def part(self, link: str, address: str, told: Callable[[], None]) -> None:
         """A connection is gone: ``told`` once all that it said has been heard."""
@@ -60,15 +70,23 @@ class ValidationQueue:
             told()
 
     async def _judge(
-        self, whose: tuple[str, str], lines: tuple[str, ...], runtime: Runtime
+        self, whose: _Whose, held: list[Rx], lines: tuple[str, ...], runtime: Runtime
     ) -> None:
         loop = asyncio.get_running_loop()
         with contextlib.suppress(Exception):  # the runtime meets it again, and says so
             await loop.run_in_executor(None, _judged, runtime, lines)
+        if self.held.get(whose) is held:
+            self._let_go(whose)
+
+    def _let_go(self, whose: _Whose) -> None:
         for rx in self.held.pop(whose):
             self._pass_on(rx)
         if told := self.gone.pop(whose, None):
             told()
+
+
+def _end_of(held: list[Rx]) -> bytes:
+    return b"".join(rx.data for rx in held[_TAIL:])[_TAIL:]
 
 
 def _judged(runtime: Runtime, lines: tuple[str, ...]) -> None:
