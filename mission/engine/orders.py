@@ -55,7 +55,7 @@ from protocol.operator_words import WORDS, OperatorWord
 
 STICK_QUIET = 2.0  # s (R6)
 START_DEPTH = 2.0  # m: without fixes a mission starts above it (R7)
-CLEAR_AGAIN = (5.0, 30.0)  # s after a refused @AC another one is meant (R7)
+CLEAR_AGAIN = (5.0, 30.0)  # s after an @AC that was refused there another one is meant (R7)
 PROOF_AGE = 10.0  # s that the fixes which prove a surface may be old
 
 ACCEPTED = Verdict(True)
@@ -115,11 +115,12 @@ def why_not_clear(core: Core) -> str:
     if core.active not in (STOPPED, SURFACED):
         return _UNCLEARED[core.region]
     depth, since = core.vehicle_state.depth, core.now - core.clear_refused
+    meant = core.clear_refused >= core.emergency_at and CLEAR_AGAIN[0] <= since <= CLEAR_AGAIN[1]
     if _at_surface(core):
         return ""
     if depth is not None and depth > START_DEPTH:
         return f"{depth:.1f} m deep: an emergency is cleared at the surface"
-    if CLEAR_AGAIN[0] <= since <= CLEAR_AGAIN[1]:
+    if meant:
         return ""
     seen = "the depth is not known" if depth is None else f"{depth:.1f} m deep"
     return f"{seen}: if it is at the surface clear again in 5 to 30 s"
@@ -128,7 +129,8 @@ def why_not_clear(core: Core) -> str:
 def clear(core: Core, command: ClearMission) -> Verdict:
     why = why_not_clear(core)
     if why:
-        core.clear_refused = core.now
+        if core.active in (STOPPED, SURFACED):
+            core.clear_refused = core.now
         return Verdict(False, why)
     core.clear()
     return ACCEPTED

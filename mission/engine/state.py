@@ -52,7 +52,7 @@ class EngineState:
         self.doubted_at = -math.inf  # when a report last contradicted a stop, since the last X
         self.stick = -math.inf  # the last M that was obeyed
         self.any_stick = -math.inf  # the last M of anybody, obeyed or not (R6)
-        self.clear_refused = -math.inf  # the last @AC that was
+        self.clear_refused = -math.inf  # the last @AC that was, where it may be repeated
         self.outputs = OutputKeeper(vehicle.outputs)
         self.rest = Rest(vehicle.limits.descent_rate)
         self.rested = "rest"  # the kind of rest that it watches, "" where it is under way

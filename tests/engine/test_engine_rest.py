@@ -25,7 +25,7 @@ from mission.model import (
     Restarted,
     Result,
 )
-from protocol.messages import UPWARD, ClearMission, Order, StartMission, Telemetry
+from protocol.messages import UPWARD, ClearMission, Emergency, Order, StartMission, Telemetry
 
 MISSION = mission(leg("a", timeout=600.0))
 REST = (IDLE_READY, MANUAL_WAITING, SURFACED)
@@ -524,6 +524,32 @@ def test_a_clear_that_is_repeated_is_meant(pause: float, depth: float | None, ma
     world.wait(pause)
     world.tell(world.report())
     assert world.tell(ClearMission()).verdicts[0].accepted is may
+
+
+def test_a_clear_that_was_refused_before_an_x_is_not_repeated_behind_it():
+    world = at_rest(STOPPED, 1.5)
+    assert not world.tell(ClearMission()).verdicts[0].accepted
+    world.wait(4.0)
+    world.tell(X)
+    world.wait(2.0)
+    assert not world.tell(ClearMission()).verdicts[0].accepted
+    world.wait(5.0)
+    assert world.tell(ClearMission()).verdicts[0].accepted
+
+
+@pytest.mark.parametrize("order", [X, W])
+def test_a_clear_that_was_refused_elsewhere_is_not_repeated_at_rest(order: Emergency):
+    world = World(MISSION)
+    assert world.start()
+    world.tell(W if order is W else M)
+    assert not world.tell(ClearMission()).verdicts[0].accepted
+    if order is X:
+        world.tell(X)
+    world.wait(9.0)
+    assert world.state == (STOPPED if order is X else SURFACED)
+    world.depth = 0.9
+    world.tell(world.report())
+    assert not world.tell(ClearMission()).verdicts[0].accepted
 
 
 def test_a_program_that_repeats_a_clear_all_the_time_does_not_mean_it():
