@@ -5,7 +5,8 @@
 
 Timeouts follow from the greatest slant range and the bit rate that the URL states, and from the
 lengths of what is said (R1, protocol.arq). ``Submerged`` holds the same scripts as
-``upload.Conversation``, two tries each; ``BatchTalk`` uploads in batches (protocol.batch).
+``upload.Conversation``, two tries each (of an @AC one); ``BatchTalk`` uploads in batches
+(protocol.batch).
 
 What does not live here: the scripts (upload), sockets and clocks (console), the vehicle's side.
 """
@@ -17,11 +18,19 @@ from dataclasses import dataclass
 from urllib.parse import parse_qsl, urlencode
 
 from links import at_rate
-from mission.topside.upload import NoAnswer, OperatorError, Refused, Script, Scripted
+from mission.topside.upload import Ask, NoAnswer, OperatorError, Refused, Script, Scripted
 from protocol.arq import TRIES, Acoustics, Answered, Initiator
 from protocol.arq import NoAnswer as Unanswered
 from protocol.batch import BatchUpload, Declined, Silent, Stored
-from protocol.messages import DataQuery, Emergency, FrameFault, Relay, StateQuery, StoreQuery
+from protocol.messages import (
+    ClearMission,
+    DataQuery,
+    Emergency,
+    FrameFault,
+    Relay,
+    StateQuery,
+    StoreQuery,
+)
 from protocol.modem import BAUD
 from protocol.state_frame import MOST
 from protocol.topside import Answer, ConsoleCodec, encode
@@ -98,8 +107,7 @@ class Submerged(Scripted):
             return []
         command = ask.command
         longest = LONGEST.get(type(command), _ACK)
-        tries = ask.tries if isinstance(command, Emergency) else min(TRIES, ask.tries)
-        self._arq.ask(encode(command), longest, tries=tries, matches=self._fits)
+        self._arq.ask(encode(command), longest, tries=_tries(ask), matches=self._fits)
         return self._arq.outgoing(now)
 
     def _fits(self, content: bytes) -> bool:
@@ -109,6 +117,13 @@ class Submerged(Scripted):
                 self._fitting = answer
                 return True
         return False
+
+
+def _tries(ask: Ask) -> int:
+    """An @AC is told once: tries are so far apart that a second would be a second wish (R7)."""
+    if isinstance(ask.command, Emergency):
+        return ask.tries
+    return 1 if isinstance(ask.command, ClearMission) else min(TRIES, ask.tries)
 
 
 class BatchTalk:

@@ -139,12 +139,19 @@ def test_a_refused_start_says_why_and_clear_clears() -> None:
 
 def test_silence_is_said_after_two_tries_but_an_order_goes_on() -> None:
     sea = Sea(Water(loss=1.0))
-    talk = sea.hold(Submerged(clear(), sea.acoustics))
+    talk = sea.hold(Submerged(start(), sea.acoustics))
     assert isinstance(talk.failure, NoAnswer)
     assert sea.boat.tally.bursts == TRIES
     talk = sea.hold(Submerged(order(Order.SURFACE), sea.acoustics))
     assert isinstance(talk.failure, NoAnswer)
     assert sea.boat.tally.bursts > TRIES + 5
+
+
+def test_a_clear_that_is_said_twice_is_the_operators_wish_so_it_is_tried_once() -> None:
+    sea = Sea(Water(loss=1.0))
+    talk = sea.hold(Submerged(clear(), sea.acoustics))
+    assert isinstance(talk.failure, NoAnswer)
+    assert sea.boat.tally.bursts == 1
 
 
 def test_what_was_not_asked_for_answers_nothing() -> None:
