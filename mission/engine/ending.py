@@ -3,6 +3,7 @@
     a mission, or the stick over one   --> emergency/surfacing, as by W; at a proved surface stopped
     the stick in use under water       --> is left to whoever moves it, until it is silent (R6)
     the stick in use elsewhere         --> X0, and what it says from then on is refused
+    the stick taken elsewhere          --> is refused
     an ascent                          --> goes on
     elsewhere                          --> stays as it is: a thruster that stands is not turned
 
@@ -63,6 +64,14 @@ def settled(core: Core) -> bool:
     return not _is_deep(core)
 
 
+def hears_stick(core: Core) -> bool:
+    """Whether the stick would have the vehicle under water, where an end leaves it to whoever moves
+    it: not behind the last words, nor while AUTO is closed, where nobody would bring it up."""
+    if core.active == SURFACING and core.ascent is None:
+        return False
+    return core.auto and (core.run is not None or _is_deep(core))
+
+
 def last_words(core: Core) -> None:
     """Sends the commands that have to hold when the program is gone. What an ascent has let go at
     the surface stays so."""
@@ -77,9 +86,7 @@ def last_words(core: Core) -> None:
 
 
 def _ascends_from_stick(core: Core) -> bool:
-    """Whether the stick has the vehicle under water, where an end would leave it. While AUTO is
-    closed, nobody but the stick turns a thruster."""
-    return core.region == MANUAL and core.auto and (core.run is not None or _is_deep(core))
+    return core.region == MANUAL and hears_stick(core)
 
 
 def _may_sink_again(core: Core) -> bool:

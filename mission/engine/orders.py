@@ -22,7 +22,7 @@ from mission.engine.auxiliary import set_output
 from mission.engine.bounds import admit
 from mission.engine.clearance import at_depth, is_guarded
 from mission.engine.core import Core
-from mission.engine.ending import WHY, settled
+from mission.engine.ending import WHY, hears_stick
 from mission.engine.limits import SILENCE
 from mission.engine.outset import too_far
 from mission.engine.vehicle_state import FIX_AGE, SURFACE_DEPTH
@@ -87,7 +87,7 @@ def set_safety(core: Core, command: SetSafety) -> Verdict:
 def manual(core: Core, command: Manual) -> Verdict:
     silent_since = max(core.any_stick, core.emergency_at)
     core.any_stick = core.now
-    if core.ending and settled(core):
+    if core.ending and not hears_stick(core):
         return Verdict(False, f"{WHY}: nobody would stop what the stick moves")
     if core.region == EMERGENCY:
         if core.now - silent_since < STICK_QUIET:

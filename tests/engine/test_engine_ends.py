@@ -170,6 +170,40 @@ def test_the_stick_is_heard_until_the_vehicle_needs_nobody():
     assert (on_deck.verdicts[-1].accepted, on_deck.commands()) == (False, [])
 
 
+@pytest.mark.parametrize(("depth", "may"), [(2.1, True), (1.9, False), (0.2, False), (None, False)])
+def test_the_stick_takes_an_ascent_over_only_where_it_is_left_to_it(depth: float | None, may: bool):
+    """Else everything would be stopped at once, and the M would leave behind the stop."""
+    world = flying_at(5.0)
+    world.tell(Ending())
+    world.wait(2.5)
+    world.depth = depth
+    world.tell(world.report())
+    before = len(world.actions)
+    world.tell(M)
+    assert (world.verdicts[-1].accepted, since(world, before)) == (may, [])
+    assert world.state == (MANUAL_DRIVING if may else SURFACING)
+
+
+def test_the_stick_takes_over_nothing_that_the_end_would_leave_as_it_moves():
+    closed = World()
+    closed.depth = 5.0
+    closed.tell(closed.report(), AutoNode(False))
+    closed.tell(X)
+    closed.wait(3.0)
+    let_go = flying_at(5.0)
+    let_go.depth = 0.2
+    told = flying_at(5.0)
+    for world in (closed, let_go, told):
+        world.tell(Ending())
+    let_go.wait(10.0)
+    told.tell(Ending(now=True))
+    told.wait(3.0)
+    for world, state in ((closed, STOPPED), (let_go, SURFACED), (told, SURFACING)):
+        assert world.state == state
+        world.tell(M)
+        assert (world.verdicts[-1].accepted, world.state) == (False, state)
+
+
 def test_the_stick_alone_and_deep_leads_to_an_ascent_unless_auto_is_closed():
     for is_open, state in ((True, SURFACING), (False, "manual/waiting")):
         world = World()
