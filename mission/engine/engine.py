@@ -246,10 +246,10 @@ class Engine:
         core = self.core
         if core.region != MANUAL:
             return
-        if core.now >= core.stick + self._forgotten_after:
-            core.stick_forgotten()
         if core.active == MANUAL_DRIVING and core.now >= core.stick + STICK_QUIET:
             core.stick_silent()
+        if core.now >= core.stick + self._forgotten_after:
+            core.stick_forgotten()
 
     # --- time ------------------------------------------------------------------------------------
 

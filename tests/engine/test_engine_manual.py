@@ -159,6 +159,23 @@ def test_a_minute_of_silence_ends_manual_by_the_depth(depth: float | None, targe
     assert world.state == target
 
 
+@pytest.mark.parametrize(
+    ("depth", "state", "last"), [(0.2, IDLE_EMPTY, Order.STOP), (3.0, SURFACING, Order.SURFACE)]
+)
+def test_a_stick_that_is_forgotten_as_the_program_stood_still_is_stopped_first(
+    depth: float, state: str, last: Order
+):
+    world = World()
+    world.depth = depth
+    world.wait(4.0)
+    world.tell(M)
+    before = len(world.commands())
+    world.t += 90.0
+    world.tell(world.report())
+    said = world.commands()[before:]
+    assert (world.state, said[0], said[-1]) == (state, Order.STOP, last)
+
+
 def test_a_minute_of_silence_without_any_mission_is_idle_and_empty():
     world = World()
     world.tell(world.report(), M)
