@@ -46,7 +46,8 @@ NEEDED = ["mypy>=1.18", "setuptools>=65"]
 CHECKING = ["--config-file=", "--no-site-packages", "--ignore-missing-imports"]
 FLAGS = ["-ffp-contract=off"]
 _MARK = "@mypyc_attr(allow_interpreted_subclasses=True)\n"
-_BASES = "ABC|EngineState|Flying|LockStep|Rig|Watch"  # of the classes that are inherited from, or copied
+# Of the classes that are inherited from, or copied.
+_BASES = "ABC|EngineState|Flying|LockStep|Rig|Watch"
 _CLASS = re.compile(rf"^(?=class \w+(\(({_BASES})\))?:)", re.MULTILINE)
 _FUTURE = re.compile(r"^(from __future__ import annotations\n)", re.MULTILINE)
 _IMPORT = """from typing import TYPE_CHECKING, Final
