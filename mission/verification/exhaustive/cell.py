@@ -9,6 +9,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from mission.legs import LEGS
 from mission.model import STOPPED, SURFACING, Chart, State, Step, Tx
 from mission.verification.exhaustive.lines import Line
 from mission.verification.exhaustive.world import World
@@ -130,6 +131,12 @@ class Cell:
         """The active leg when the event began."""
         c = self.configuration
         return self.chart.state(c.leaf) if c.region == "autonomous" else None
+
+    @property
+    def ascends(self) -> bool:
+        """Whether that leg is of a kind that ascends."""
+        leg = None if self.leg is None else self.leg.leg
+        return leg is not None and LEGS[type(leg.kind)].ascends
 
 
 def _emergency_age(world: World) -> float:

@@ -216,7 +216,7 @@ def _blind(cell: Cell) -> Verdict:
     leg, sensor = cell.leg, cell.event.sensor
     if leg is None or leg.leg is None or leg.setpoint is None or sensor == "temperature":
         return None
-    if not sensor or LEGS[type(leg.leg.kind)].ascends:
+    if not sensor or cell.ascends:
         return None
     needs = ("depth", "altitude", "heading") if sensor == "all" else (sensor,)
     held = at_depth(leg.setpoint) if is_guarded(leg.setpoint) else leg.setpoint
@@ -235,7 +235,7 @@ def _refused(cell: Cell) -> Verdict:
     """R8: a Z of the leg's set that is answered N: the leg's else."""
     if cell.event.name != "ACK N" or cell.leg is None or cell.configuration.quiet:
         return None
-    if cell.leg.leg is None or LEGS[type(cell.leg.leg.kind)].ascends:
+    if cell.leg.leg is None or cell.ascends:
         return None
     ways = [s.by for s in _left(cell)[:1]]
     return wrong(

@@ -40,8 +40,8 @@ def _at_the_surface(cell: Cell) -> Verdict:
 
 def _never_gives_up(cell: Cell) -> Verdict:
     """While the depth does not fall: the vehicle's ways (W, X0 with U12, X0 alone) in turn, 10 s
-    each (full thrust twice as long from the second time on), for as long as it takes. In an ascent
-    W leaves, and the turn that is under way goes on."""
+    each (full thrust twice as long from the second time on), for as long as it takes. In an ascent,
+    a leg's too, W leaves, and the turn that is under way goes on."""
     if cell.event.path != "sinks":
         return None
     again = cell.configuration.state == SURFACING
@@ -59,7 +59,7 @@ def _never_gives_up(cell: Cell) -> Verdict:
         ([way for _, way in ways] != order, f"{ways} were tried"),
         (not ways, "no way was tried"),
         (any(late > 0.5 for late in beyond), f"{turns} s each"),
-        (any(late < -0.5 for late in beyond[again:-1]), f"{turns} s each"),
+        (any(late < -0.5 for late in beyond[again or cell.ascends : -1]), f"{turns} s each"),
     )
 
 
