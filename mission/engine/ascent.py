@@ -67,14 +67,13 @@ class Ascent:
             "_longest",
             "_looked",
             "_overturned_at",
-            "_push",
             "_pushes",
             "_shallowest",
             "_since",
             "_start_depth",
             "_ways",
         ),
-        *("_turn", "began", "way", "why"),
+        *("_turn", "began", "push", "way", "why"),
     )
 
     def __init__(
@@ -103,8 +102,8 @@ class Ascent:
             first = UPWARD
         self._at = ways.index(first) if first in ways else 0
         self.way: Way = ways[self._at]
-        self._push = UPWARD if UPWARD in ways else Order.SURFACE  # that has two turns later
-        self._pushes = int(self.way == self._push)
+        self.push = UPWARD if UPWARD in ways else Order.SURFACE  # that has two turns later
+        self._pushes = int(self.way == self.push)
         if sank and self._pushes:
             self._begin_long(now, depth)
         self._overturned_at, self._lifted_at = now - OVERTURNED_PAUSE, -math.inf
@@ -118,10 +117,10 @@ class Ascent:
         """For what sinks when it is let go and is at the surface: full thrust, where it was let go
         and did not rise by that. ``unsure``: it may be upside down, and no push is begun then."""
         sinks = self.way is Order.STOP and not self._kept and not unsure
-        if not (sinks and self._push in self._ways):
+        if not (sinks and self.push in self._ways):
             return ()
-        self._at = self._ways.index(self._push)
-        self.way, self._lifted_at = self._push, now
+        self._at = self._ways.index(self.push)
+        self.way, self._lifted_at = self.push, now
         self._begin_long(now, depth)
         return (Action(self.way, f"{self.why}: let go it would sink again"),)
 
@@ -191,7 +190,7 @@ class Ascent:
     def _pushes_on(self, overturned: bool) -> bool:
         """Nothing tells whether full thrust lifts it, and it has not had its turns."""
         sure = not overturned and not (self._dark and self._start_depth is None)
-        return sure and self.way == self._push and self._turn < self._pushes * TURN
+        return sure and self.way == self.push and self._turn < self._pushes * TURN
 
     def _lengthen(self) -> None:
         self._turn += TURN
@@ -206,7 +205,7 @@ class Ascent:
             turn, self._let_go = math.ldexp(TURN, self._let_go % LONGER), self._let_go + 1
         elif self.way is Order.STOP and driven:
             turn = 2.0 * TURN
-        elif self.way == self._push:
+        elif self.way == self.push:
             turn = 2.0 * TURN if self._pushes and depth is not None and not overturned else TURN
             self._pushes = min(self._pushes + 1, BLIND)
         self._begin_turn(now, depth, turn)

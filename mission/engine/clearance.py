@@ -53,6 +53,8 @@ class Clearance:
     def __init__(self, floor: float, step: float) -> None:
         self._floor, self._step = floor, step
         self._held: float | None = None
+        self._begins = True
+        self._asked: tuple[float | None, float | None] = None, None  # depth and altitude, m
         self._room_since: float | None = None
         self._room = 0.0  # the least since then
         self._bottom, self._seen = 0.0, -math.inf  # m below the surface, and when it was seen
@@ -68,8 +70,9 @@ class Clearance:
         return copied(self)
 
     def begin(self) -> None:
-        """A set begins: nothing is held yet. The bottom is where it was."""
-        self._held = self._room_since = None
+        """A set begins: unless it asks for what the one before did, nothing is held yet. The bottom
+        is where it was."""
+        self._begins = True
 
     def blind(self, setpoint: Setpoint) -> float:
         """m: what a set with both holds without a believed altitude."""
@@ -77,6 +80,7 @@ class Clearance:
 
     def told(self, setpoint: Setpoint, vehicle_state: VehicleState) -> Setpoint:
         """The set as the vehicle is told it now."""
+        self._keep(setpoint)
         if not is_guarded(setpoint):
             return setpoint
         now = vehicle_state.now
@@ -89,6 +93,12 @@ class Clearance:
         most = self._within(setpoint, self._bottom)
         room = self._within(setpoint, self._bottom - DEEPER_ROOM)
         return at_depth(setpoint, self._hold(self._echoed, most, room))
+
+    def _keep(self, setpoint: Setpoint) -> None:
+        asked = setpoint.depth, setpoint.altitude
+        if self._begins and asked != self._asked:
+            self._held = self._room_since = None
+        self._begins, self._asked = False, asked
 
     def _hear(self, report: Telemetry | None) -> None:
         if report is not None and report.altitude != self._said:

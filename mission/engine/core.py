@@ -118,6 +118,8 @@ class Core(Flying):
 
     def stop_in(self, name: str, state: str, why: str, by: By = By.LIMIT) -> None:
         """emergency/stopped or surfaced; ``name`` as for ``surface``."""
+        if self.hold is not None:
+            self.let_go_at = self.now
         self._to_emergency()
         self.doubted_at, self.rested, self._sank = -math.inf, "", False
         self.vehicle_state.rising_since = None
@@ -183,13 +185,16 @@ class Core(Flying):
             self._record(lift)
         elif self.ascent.is_up(now):
             why = f"{self.reason}; at the surface"
+            words: tuple[Action, ...] = ()
             if self._sank and self.ascent.pushes_up:
                 why = f"{why}, and held up: it sank when it was let go"
                 self.stop_at = self.stopped_at = None  # of an earlier turn of the ascent
-                self.hold = Hold(self.ascent.way, now, now)
-            self.let_go_at = -math.inf if self.hold else self.now
-            stop = () if self.hold else self._stop("the surface is reached")
-            self._move("surfaced", SURFACED, why, stop, None)
+                self.hold, self.let_go_at = Hold(self.ascent.push, now, now), -math.inf
+                if self.ascent.way != self.hold.way:
+                    words = (Action(self.hold.way, why),)
+            else:
+                self.let_go_at, words = now, self._stop("the surface is reached")
+            self._move("surfaced", SURFACED, why, words, None)
             self.ascent = None
 
     def hold_up(self, why: str) -> None:
@@ -197,6 +202,11 @@ class Core(Flying):
         if self.hold is not None and self.auto:
             self.hold = Hold(self.hold.way, self.hold.since, self.now)
             self._record((Action(self.hold.way, f"{self.reason}: {why}"),))
+
+    def excuse_descent(self) -> None:
+        """An ascent answers a descent, and the stick asks for it; to be called before a report."""
+        if self.leg_climbs or self.active in (SURFACING, MANUAL_DRIVING):
+            self.watch.excused = True
 
     def mind_rest(self) -> None:
         """Looks, with each report, for a vehicle that sinks although everything is stopped, or that
@@ -206,7 +216,7 @@ class Core(Flying):
         if kind != self.rested:
             self.rested = kind
             proved = surfaced and self.let_go_at > -math.inf
-            unseen = state.depth is None and not proved
+            unseen = (state.depth is None or self.moved_blind) and not proved
             self.rest.begin(SURFACE_DEPTH if proved else math.nan, unseen=unseen)
         report = state.telemetry
         if not kind or report is None:
@@ -254,7 +264,8 @@ class Core(Flying):
     def take_stick(self) -> None:
         """Enters manual/driving; a mission stays where it was interrupted."""
         self.ascent = self.hold = self.stop_at = self.stopped_at = None
-        self._sank = False
+        self._sank, self.let_go_at = False, -math.inf
+        self.watch.excused = True  # behind it: there may be no report before the stick is over
         self.watch.set_sent(None)
         self.vehicle_state.rising_since = None
         self.vehicle_state.expect_change()

@@ -158,7 +158,7 @@ class Engine:
         for one in inputs:
             if isinstance(one, Telemetry):
                 core.vehicle_state.take_telemetry(one)
-                core.watch.excused = core.leg_climbs or core.active == MANUAL_DRIVING
+                core.excuse_descent()
                 core.watch.take_report()
                 reported = True
             elif isinstance(one, Fix):

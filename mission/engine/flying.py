@@ -7,6 +7,8 @@ What does not live here: emergencies, the stick, rest (core), what a leg asks fo
 
 from __future__ import annotations
 
+import math
+
 from mission.engine.areas import fences
 from mission.engine.bounds import admit
 from mission.engine.clearance import Clearance
@@ -46,6 +48,7 @@ class Flying(EngineState):
         assert self.run is not None
         self.watch.begin(self.now)
         self.stop_at = self.stopped_at = None
+        self.let_go_at = -math.inf
         self.reason = why
         moved = self.machine.move("start", leaf)
         self._enter(leaf, moved, "start", None, (), history=True)
@@ -55,9 +58,8 @@ class Flying(EngineState):
         assert self.run is not None
         if edge.target == IDLE_READY:
             moved = self.machine.fire(edge.trigger)
-            if self.run.at_surface:
-                self.let_go_at = self.now
             self.halt_run()
+            self.let_go_at = self.now
             self.reason = "the mission is over"
             stop = self._stop("the mission is over")
             self._record(stop, moved, trigger=edge.trigger, by=edge.by, evaluations=evaluations)
@@ -126,6 +128,8 @@ class Flying(EngineState):
             self._record(actions)
 
     def halt_run(self) -> None:
+        if self.run is not None and self.run.at_surface:
+            self.let_go_at = self.now
         self.run = None
         self.watch.started, self.watch.fences = None, ()
         self.watch.blind_since = None

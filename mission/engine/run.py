@@ -103,7 +103,7 @@ class Run:
     ) -> tuple[Action, ...]:
         """What is sent on entry: the whole set, or the first of the ascent."""
         now, ascended = vehicle_state.now, self._surfaced(vehicle_state)
-        before, stopped = self.ascent, self.at_surface
+        before, stopped = (None, False) if history else (self.ascent, self.at_surface)
         self._plan = self._planned(path)
         self.entered = self._reckoned = now
         self.travelled, self.refused = 0.0, False
@@ -249,7 +249,8 @@ class Run:
     def _ended(self, vehicle_state: VehicleState) -> bool:
         if self.ascent is not None:
             if self._plan.kind.awaits_fix(self.leg.kind):
-                return vehicle_state.fixed(self.ascent.began)
+                lately = self.entered - SURFACE_TIME
+                return vehicle_state.fixed(max(self.ascent.began, lately))
             return vehicle_state.surfaced(self.ascent.began)
         return self._pilot is not None and self._pilot.finished(self._view(vehicle_state))
 

@@ -56,6 +56,7 @@ class EngineState:
         self.outputs = OutputKeeper(vehicle.outputs)
         self.rest = Rest(vehicle.limits.descent_rate)
         self.rested = "rest"  # the kind of rest that it watches, "" where it is under way
+        self.moved_blind = False  # the state was last changed without a depth to believe
         self._sank = False  # out of surfaced: let go, it would sink again
         self.let_go_at = -math.inf  # when an ascent last ended with everything stopped
         self.hold: Hold | None = None  # in surfaced, what sank when it was let go
@@ -133,6 +134,7 @@ class EngineState:
     ) -> None:
         was_flying = self.region == AUTONOMOUS
         moved = self.machine.move(name, target)
+        self.moved_blind = self.vehicle_state.depth is None
         self.reason = why
         left = by if was_flying else None
         self._record(actions, moved, trigger=name, by=left, evaluations=evaluations)

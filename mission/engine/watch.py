@@ -37,6 +37,7 @@ _APART = math.radians(60.0)
 _UNDER_WAY = 0.4  # m/s through the water and over ground: a weaker one is no course
 _NEUTRAL = 0.02  # share of full thrust
 _SETTLE = 0.5  # s from an ACK to thrusters that turn
+_OWN_END = 8.0  # s without a depth in which a leg that holds one is left
 _BACK = 3.0  # s from thrust that is said to a report that shows it, and one more
 _ROLLS_OUT, _STANDS = 2.0, 0.05  # s, m/s: of what drives, from a stop on
 
@@ -161,7 +162,8 @@ class Watch:
         self.lost = 0
         self.blind_since: float | None = None
         self._led_down = -math.inf  # by the last set without a depth to believe: when
-        self.excused = False  # a leg proves its ascent, and answers a descent; or the stick dives
+        self._dark_since: float | None = None  # without one
+        self.excused = False  # a descent, by an ascent that answers it or by the stick that asks it
         self.repeated = False  # after a brown-out the set was sent again
         self.descent, self.steering, self.progress = Descent(), Steering(), Progress()
 
@@ -171,7 +173,7 @@ class Watch:
     def begin(self, now: float) -> None:
         """A mission starts, or goes on: ages and counts begin anew."""
         self.heard, self.lost, self.blind_since = now, 0, None
-        self._led_down = -math.inf
+        self._led_down, self._dark_since = -math.inf, None
         self.topside_heard = now
         self.repeated = False
         self.descent, self.steering, self.progress = Descent(), Steering(), Progress()
@@ -185,6 +187,7 @@ class Watch:
         assert report is not None
         self.heard = report.t
         asked = self.excused or self._dive_asked()
+        self.excused = False
         depth = self.vehicle_state.depth
         self.descent.take(report.t, depth, asked, self.vehicle.limits.descent_rate)
         heading = report.heading if self.vehicle_state.health("heading").valid else None
@@ -195,8 +198,10 @@ class Watch:
         """Note since when the vehicle is, or may be, submerged without a depth to believe."""
         vehicle_state = self.vehicle_state
         if vehicle_state.depth is not None:
-            self.blind_since, self._led_down = None, -math.inf
+            self.blind_since, self._led_down, self._dark_since = None, -math.inf, None
             return
+        if self._dark_since is None:
+            self._dark_since = vehicle_state.now
         if self.sent is not None and _leads_down(self.sent):
             self._led_down = vehicle_state.now
         if not (vehicle_state.submerged or self._may_be_under()):
@@ -206,11 +211,13 @@ class Watch:
 
     def _may_be_under(self) -> bool:
         """Though the last depth that was believed was the surface's: a set led down since, and no
-        fix has proved the surface behind it (a leg that holds a depth has an end of its own), or
-        fixes came in this mission and have ended."""
+        fix has proved the surface behind it (a leg that holds a depth has an end of its own, but
+        others may follow it), or fixes came in this mission and have ended."""
         sent, now = self.sent, self.vehicle_state.now
         if self._led_down > -math.inf and not self.vehicle_state.fixed(self._led_down):
-            return sent is None or sent.depth is None
+            dark = now - (now if self._dark_since is None else self._dark_since)
+            if sent is None or sent.depth is None or dark >= _OWN_END:
+                return True
         news_at = self.vehicle_state.receiver.news_at
         return self.started is not None and self.started < news_at < now - RECENT
 

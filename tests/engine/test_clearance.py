@@ -172,6 +172,21 @@ def test_another_leg_begins_with_what_its_own_set_allows():
     assert depths(world) == [6.0, 7.0]
 
 
+@pytest.mark.parametrize("wrong", [True, False])
+def test_a_leg_of_the_same_set_goes_on_with_what_the_one_before_held(wrong: bool):
+    """One wrong echo at the turn of the two leads no deeper."""
+    a = leg("a", timeout=None, duration=20.0, settings=KEPT)
+    world = World(mission(a, leg("b", timeout=600.0, settings=KEPT), assume=FLOOR))
+    world.altitude = 8.8
+    assert world.start()
+    move(world, 9.0, 4.0, 17.0)
+    move(world, 14.0 if wrong else 9.0, 4.0, 2.0)
+    world.nav.doubt["altitude"] = "missing"
+    world.wait(3.0)
+    assert world.state == "autonomous/b"
+    assert depths(world) == [6.0, 6.0]
+
+
 def test_a_vehicle_that_is_told_fractions_is_told_half_metres():
     coreboard: Vehicle = load_vehicle("coreboard")
     kept = Clearance.of(mission(leg("a"), assume=(("floor", 9.8),)), coreboard)

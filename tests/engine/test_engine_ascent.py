@@ -21,7 +21,7 @@ from mission.model import (
     Restarted,
     Result,
 )
-from protocol.messages import UPWARD, ClearMission, Order, Setpoint
+from protocol.messages import UPWARD, ClearMission, Order, Setpoint, StartMission
 
 LONG = 20000.0
 WAYS = (Order.SURFACE, UPWARD, Order.STOP)
@@ -934,3 +934,28 @@ def test_the_stop_of_a_leg_that_is_up_is_said_again_while_a_thruster_turns():
         world.wait(1.0)
         world.tell(world.fix(float(north)))
     assert world.state == IDLE_READY
+
+
+@pytest.mark.parametrize("fixed", [True, False])
+def test_a_leg_that_goes_on_behind_the_stick_is_up_by_what_is_seen_then(fixed: bool):
+    """It begins anew, and a fix that came under the stick is none of its own."""
+    world = leg_is_up()
+    world.tell(M)
+    if fixed:
+        world.tell(world.fix(4.0))
+    world.depth = 2.9
+    world.wait(2.05)
+    world.tell(StartMission())
+    assert world.state == "autonomous/up"
+    said = len(world.actions)
+    world.wait(12.0)
+    assert world.state == "autonomous/up"
+    assert Order.SURFACE in world.commands()[said - 1 :]
+    world.depth = 0.2
+    while world.commands()[-1] is not Order.STOP:
+        world.wait(1.0)
+    world.answer = None
+    world.tell(LineOpened())
+    said = len(world.actions)
+    world.wait(2.0)
+    assert world.commands()[said:] == [Order.STOP] * 4

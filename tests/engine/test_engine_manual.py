@@ -98,6 +98,26 @@ def test_what_the_stick_leads_down_is_no_unexplained_descent_when_it_ends(order)
     assert world.state == (STOPPED if order else MANUAL_WAITING)
 
 
+@pytest.mark.parametrize("how", ["stick", "W"])
+def test_a_stop_behind_a_dive_that_no_report_told_of_is_a_stop(how: str):
+    """As built the board says nothing under the stick, and W goes on diving at first."""
+    world = World(mission(leg("a", timeout=400.0)))
+    world.wait(4.0)
+    if how == "stick":
+        drive(world, 12.0)
+        world.depth = 4.0
+    else:
+        world.tell(W)
+        for _ in range(4):
+            world.depth += 1.0
+            world.wait(2.0)
+    world.tell(X)
+    for sinks in (0.3, 0.3, 0.2, 0.1, 0.0):
+        world.depth += sinks
+        world.wait(2.0)
+    assert world.state == STOPPED
+
+
 def test_a_stick_that_is_forgotten_as_the_program_stood_still_with_auto_closed_stops():
     world = World(mission(leg("a", timeout=400.0)))
     world.tell(world.report(), AutoNode(False))

@@ -9,7 +9,7 @@ from engine_world import HOME, M, W, World, X, leg, mission, sets
 
 from mission.engine.attitude import Attitude
 from mission.engine.rest import Rest
-from mission.engine.restart import STICK
+from mission.engine.restart import STICK, UNSEEN
 from mission.legs import Surface
 from mission.model import (
     IDLE_EMPTY,
@@ -315,7 +315,61 @@ def test_what_was_let_go_a_minute_before_its_fixes_end_floats():
     assert world.state == SURFACED
 
 
-def test_what_a_mission_has_let_go_at_the_surface_is_brought_up_when_its_fixes_end():
+@pytest.mark.parametrize("ways", [("held", X), ("held", None), ("let go", X)])
+def test_what_is_let_go_by_a_stop_or_a_clear_is_watched_by_its_fixes(ways):
+    how, order = ways
+    world = held_up() if how == "held" else at_rest(SURFACED)
+    if order:
+        world.tell(order)
+        world.wait(1.0)
+    world.tell(world.report(depth=0.2))
+    world.tell(ClearMission())
+    assert world.state == IDLE_EMPTY
+    world.depth = None
+    told_fixes(world, 3)
+    world.wait(20.0)
+    assert world.state == SURFACING
+
+
+@pytest.mark.parametrize("end", ["X", "AUTO"])
+def test_what_a_leg_has_let_go_at_the_surface_is_watched_when_the_mission_is_ended(end: str):
+    up = leg("up", kind=Surface(until_fix=True), settings=(), timeout=600.0)
+    world = World(mission(up))
+    assert world.start()
+    world.wait(8.0)
+    assert world.commands()[-1] is Order.STOP
+    if end == "X":
+        world.tell(X)
+        world.tell(ClearMission())
+    else:
+        world.tell(AutoNode(False))
+        world.tell(AutoNode(True))
+    world.depth = None
+    told_fixes(world, 3)
+    world.wait(20.0)
+    assert world.state == SURFACING
+
+
+def test_what_was_let_go_before_a_new_start_is_no_reason_to_turn_a_thruster():
+    """Lifted aboard meanwhile, with AUTO closed."""
+    world = World(mission(leg("up", kind=Surface(), settings=(), timeout=600.0)))
+    assert world.start()
+    world.wait(8.0)
+    assert world.state == IDLE_READY
+    assert world.start()
+    world.tell(AutoNode(False))
+    world.depth = None
+    told_fixes(world, 3)
+    world.wait(20.0)
+    world.tell(AutoNode(True))
+    world.wait(20.0)
+    assert world.state == IDLE_READY
+
+
+@pytest.mark.parametrize("legs", ["up", "dive"])
+def test_what_a_mission_has_let_go_at_the_surface_is_brought_up_when_its_fixes_end(legs: str):
+    """Whether a leg of its own brought it up, or its end."""
+    dive = leg("a", timeout=None, duration=4.0)
     world = World(mission(leg("up", kind=Surface(), settings=(), timeout=600.0)))
     assert world.start()
     world.depth = None
@@ -324,9 +378,10 @@ def test_what_a_mission_has_let_go_at_the_surface_is_brought_up_when_its_fixes_e
     world.wait(100.0)
     assert world.state == IDLE_READY  # a minute is over: it floats
 
-    world = World(mission(leg("up", kind=Surface(), settings=(), timeout=600.0)))
+    up = leg("up", kind=Surface(), settings=(), timeout=600.0)
+    world = World(mission(up if legs == "up" else dive))
     assert world.start()
-    world.wait(8.0)
+    world.wait(8.0 if legs == "up" else 14.0)
     assert world.state == IDLE_READY
     world.depth = None
     told_fixes(world, 3)
@@ -359,6 +414,44 @@ def test_a_restart_under_the_stick_brings_up_what_stays_deep():
     assert world.state == IDLE_READY
     world.wait(15.0)
     assert world.state == SURFACING
+
+
+@pytest.mark.parametrize("back", [0.0, 30.0])
+@pytest.mark.parametrize("again", [True, False])
+def test_what_came_to_rest_unseen_is_brought_up_behind_a_restart_too(back: float, again: bool):
+    """And by a depth that is back with the first report behind it."""
+    world = World(MISSION)
+    assert world.start()
+    world.depth = None
+    world.wait(4.0)
+    world.tell(AutoNode(False))
+    world.wait(back)
+    if again and back:
+        during = world.engine.under_way
+        world = World(MISSION)
+        world.depth = None
+        world.tell(Restarted(during))
+        world.wait(10.0)
+        assert world.engine.under_way == UNSEEN
+    world.depth = 8.0
+    world.tell(AutoNode(True))
+    world.wait(30.0)
+    assert world.state == SURFACING
+
+
+@pytest.mark.parametrize("way", [Order.SURFACE, UPWARD])
+def test_it_is_held_up_by_full_thrust_and_not_by_a_w_that_may_not_last(way):
+    world = held_up()
+    world.depth = 2.0
+    if way is Order.SURFACE:
+        world.tell(W)
+    else:
+        world.wait(4.0)
+    assert world.commands()[-1] == way
+    world.depth = 0.2
+    world.wait(20.0)
+    assert "held up" in world.engine.reason
+    assert world.commands()[-1] == UPWARD
 
 
 def test_a_store_that_does_not_know_turns_nothing_while_auto_is_closed():

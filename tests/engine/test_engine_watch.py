@@ -501,6 +501,20 @@ def test_one_that_was_led_down_without_a_depth_is_blind_until_the_surface_is_kno
     assert one.blind_since is None
 
 
+def test_legs_that_hold_a_depth_one_after_the_other_are_blind_when_none_was_left_for_it():
+    """A leg of 5 s is over before the 6 s that it would wait for its depth."""
+    one = watch(depth=0.2)
+    navigation: Any = one.vehicle_state.navigation
+    navigation.doubt["depth"] = "frozen"
+    one.set_sent(Setpoint(depth=4.0))
+    for t in (12.0, 16.0, 19.5):
+        look_at(one, t)
+        assert one.blind_since is None
+    one.set_sent(Setpoint(depth=6.0))
+    look_at(one, 20.0)
+    assert one.blind_since == 20.0
+
+
 def test_a_leg_that_holds_a_depth_needs_it_itself_and_the_next_one_is_blind():
     one = watch(depth=0.2)
     navigation: Any = one.vehicle_state.navigation

@@ -149,6 +149,13 @@ def test_an_order_overtakes_what_is_held_once_and_what_stood_before_it_is_droppe
     assert held == [(0.0, b"@AW"), (0.1, b"@DU$"), (0.2, b"@NI$")]
 
 
+def test_an_order_in_the_read_of_a_last_line_leaves_and_nothing_is_held(judging: Pi) -> None:
+    """A link that stalled brings both at once."""
+    judging.hear(1.0, b"@AW1,1,a$@ZAX0$@DU$", "b:2")
+    assert judging.heard()[0] == (1.0, b"@ZAX0$@DU$")
+    assert ("topside", "b:2") not in judging.queue.held
+
+
 def test_an_order_that_comes_in_pieces_overtakes_with_the_last_of_them(judging: Pi) -> None:
     for t, piece in ((0.1, b"@"), (0.2, b"ZA"), (0.3, b"F"), (0.4, b"@ZAW"), (0.5, b"F0")):
         judging.hear(t, piece)

@@ -12,7 +12,7 @@ What does not live here: files (store), what a restart does (engine).
 
 from __future__ import annotations
 
-from mission.engine.restart import STICK, UNANSWERED
+from mission.engine.restart import STICK, UNANSWERED, UNSEEN
 from mission.onboard.store import Store, StoreError
 
 AGAIN_S = 5.0  # until what could not be written is tried again
@@ -57,7 +57,7 @@ class ResumeMarker:
     def foresee(self, leaf: str) -> str:
         """Before a start: why it could not be made durable, or "". A start that is refused then
         is taken back by ``follow``."""
-        if self._kept not in ("", STICK, UNANSWERED):
+        if self._kept not in ("", STICK, UNANSWERED, UNSEEN):
             return ""
         try:
             self._store.keep_under_way(leaf)

@@ -49,11 +49,13 @@ class ValidationQueue:
         whose = rx.link, rx.address
         if (held := self.held.get(whose)) is not None:
             heard, behind = _end_of(held) + rx.data, rx.data
-            for order in _ORDER.finditer(heard):
-                self._pass_on(rx._replace(data=BREAK + order[0]))
-                behind = BREAK + heard[order.end() :]
+            for found in _ORDER.finditer(heard):
+                self._pass_on(rx._replace(data=BREAK + found[0]))
+                behind = BREAK + heard[found.end() :]
             held.append(rx._replace(data=behind))
-        elif lines := runtime.foresee(rx):
+        elif (lines := runtime.foresee(rx)) and (order := _ORDER.search(rx.data)):
+            self._pass_on(rx._replace(data=BREAK + rx.data[order.start() :]))
+        elif lines:
             self.held[whose] = held = [rx]
             self._spawn(self._judge(whose, held, lines, runtime))
         else:
