@@ -151,9 +151,4 @@ def open_url(name: str, address: Address) -> Link:
     device = address.options.get("sensors")
     if device is None:
         return bus()
-    line = SerialLink(name, device, _baud(address))
-    try:
-        return JoinedLink(name, bus(), line)
-    except LinkError:
-        line.close()
-        raise
+    return JoinedLink(name, bus, partial(SerialLink, name, device, _baud(address)))

@@ -14,6 +14,7 @@ from dataclasses import replace
 
 from links import LinkAddressError, open_link
 from links.base import Link, LinkBusy, LinkError
+from links.joined import open_whole
 from mission.model.vehicle import Vehicle
 from mission.onboard.doctor.boards import board, trip
 from mission.onboard.doctor.findings import Finding, fault, ok, warning
@@ -46,7 +47,7 @@ _DEEPEST_ON_DECK, _ROLLED = 0.5, math.radians(60.0)
 
 def vehicle_findings(url: str, vehicle: Vehicle) -> list[Finding]:
     try:
-        link = open_link("vehicle", url)
+        link = open_whole("vehicle", url)
     except LinkError as error:
         return [not_open("vehicle port", url, error)]
     raw = bytearray()
@@ -63,7 +64,7 @@ def vehicle_findings(url: str, vehicle: Vehicle) -> list[Finding]:
 def port_finding(what: str, url: str) -> Finding:
     """Whether it is there; nothing is sent, nobody is listened to."""
     try:
-        open_link(what, url).close()
+        open_whole(what, url).close()
     except LinkError as error:
         return not_open(what, url, error)
     return ok(what, f"{url} is there, permitted and free")

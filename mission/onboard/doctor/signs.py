@@ -15,8 +15,8 @@ import time
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from links import open_link
 from links.base import Link, LinkError
+from links.joined import open_whole
 from mission.model.vehicle import Vehicle
 from mission.onboard.doctor.findings import Finding, fault, ok, warning
 from mission.onboard.doctor.port_probe import listened, not_open
@@ -66,7 +66,7 @@ def sign_findings(url: str, vehicle: Vehicle) -> Iterator[Finding]:
         yield NO_LOOP
         return
     try:
-        link = open_link("vehicle", url)
+        link = open_whole("vehicle", url)
     except LinkError as error:
         yield not_open(WHAT, url, error)
         return

@@ -3,6 +3,7 @@
     closed --open_link--> open --LinkClosed--> closed --RETRY_S--> ...
     switched off (@NS) --> closed, until switched on
 
+An end of a joined link (links.joined) that is away is told as a port is, and so is its coming back.
 A port that is busy or absent is told once, in the link's own words, and tried again for ever; a
 link's error never leaves here. What does not live here: what the bytes mean (runtime), the links.
 """
@@ -18,6 +19,7 @@ from collections.abc import Callable
 from links import baud_of, open_link
 from links.admission import Refusal
 from links.base import Link, LinkError, Rx
+from links.joined import JoinedLink
 from links.tcp import TcpServer
 from mission.onboard.serve.tx_spacer import BAUD, TxSpacer
 
@@ -53,8 +55,15 @@ class Port:
 
     @property
     def is_away(self) -> bool:
-        """Whether the link is configured, and could not be opened or was lost."""
-        return self.link is None and self._on.is_set() and bool(self._told)
+        """Whether the link is configured, and it, or an end of it, could not be opened or was
+        lost."""
+        is_whole = self.link is not None and self._lacks is None
+        return not is_whole and self._on.is_set() and bool(self._told)
+
+    @property
+    def _lacks(self) -> OSError | None:
+        """Why an end of an open link is away."""
+        return self.link.away if isinstance(self.link, JoinedLink) else None
 
     def vouch(self, address: str) -> None:
         """Notes that bytes of this link made sense."""
@@ -108,13 +117,30 @@ class Port:
         self.link = link
         if isinstance(link, TcpServer):
             self.url = re.sub(r":0(?=$|\?)", f":{link.port}", self.url)  # the same one, again
-        if self._told:
-            self._told = ""
-            self._tell(f"{self.name}: {self.url} is open")
+        self._tell_open()
         self._tried.set()
         if link.fileno() >= 0:
             asyncio.get_running_loop().add_reader(link.fileno(), self._readable, self)
         self._changed(self)
+
+    def _tell_open(self) -> None:
+        if (error := self._lacks) is not None:
+            self._complain(f"{error} - trying again")
+        elif self._told:
+            self._told = ""
+            self._tell(f"{self.name}: {self.url} is open")
+
+    def _look(self) -> None:
+        """Whether an end was lost, or is back; told when what is being sent now is through."""
+        if self.link is not None and bool(self._told) is (self._lacks is None):
+            asyncio.get_running_loop().call_soon(self._follow)
+
+    def _follow(self) -> None:
+        was_away = bool(self._told)
+        if self.link is not None:
+            self._tell_open()
+            if was_away and not self._told:
+                self._changed(self)
 
     def keep_gaps(self, gap: float) -> None:
         """Of so many s between any two frames that are sent."""
@@ -131,6 +157,7 @@ class Port:
         except (LinkError, OSError) as error:
             self._lose(watched, error)
             return []
+        self._look()
         if heard:
             self.heard = now
             self.received += sum(len(rx.data) for rx in heard)
@@ -151,6 +178,7 @@ class Port:
         try:
             self.link.send(data, now, address)
             self.sent += len(data)
+            self._look()
         except (LinkError, OSError) as error:
             if not isinstance(self.link, TcpServer):  # else one peer is gone, not the link
                 self._lose(watched, error)
