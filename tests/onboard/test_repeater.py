@@ -10,7 +10,12 @@ from protocol.codec import CannotEncode
 from protocol.messages import Ack, Order, Setpoint
 
 LEG, NEXT = Setpoint(surge=0.5), Setpoint(surge=0.2)
-FRAMES: dict[Setpoint | Order, list[bytes]] = {LEG: [b"A", b"B"], NEXT: [b"C"], Order.STOP: [b"X"]}
+FRAMES: dict[Setpoint | Order, list[bytes]] = {
+    LEG: [b"A", b"B"],
+    NEXT: [b"C"],
+    Order.STOP: [b"X"],
+    Order.SURFACE: [b"W"],
+}
 
 
 def encode(command: Setpoint | Order) -> list[bytes]:
@@ -134,3 +139,41 @@ def test_every_frame_of_a_command_counts_as_accepted_and_no_answer_changes_that(
     ]
     assert line.answer(Ack(1.05, "Z", "A", ord("N")), 1.05) is None
     assert line.poll(1.1)[1] == []
+
+
+def test_an_operators_w_leaves_for_a_period_before_the_way_in_use_that_came_with_it(
+    line: Repeater,
+) -> None:
+    for command in (Order.SURFACE, Order.STOP):
+        line.command(Action(command, "W from the operator"))
+    sent, outcomes = line.poll(1.0)
+    assert [tx.data for tx in sent] == [b"W"]
+    assert outcomes == [Outcome(Result.ACCEPTED, b"W", Order.SURFACE)]
+    due = line.next_timer()
+    assert due == pytest.approx(1.1)
+    sent, outcomes = line.poll(due)
+    assert [tx.data for tx in sent] == [b"X"]
+    assert outcomes == [Outcome(Result.ACCEPTED, b"X", Order.STOP)]
+    assert frames(line, 1.3) == [b"X"]
+
+
+def test_another_command_waits_for_no_w(line: Repeater) -> None:
+    line.command(Action(Order.SURFACE, "W from the operator"))
+    line.command(Action(Order.STOP, "X from the operator"))
+    assert frames(line, 1.0) == [b"X"]
+    for command in (Order.SURFACE, LEG):
+        line.command(Action(command, "W from the operator"))
+    assert frames(line, 2.0) == [b"W"]
+    line.command(Action(Order.STOP, "X from the operator"))
+    assert frames(line, 2.01) == [b"X"]
+    assert frames(line, 2.2) == [b"X"]
+
+
+def test_a_way_that_the_board_has_no_word_for_is_refused_and_w_leaves_all_the_same(
+    line: Repeater,
+) -> None:
+    line.command(Action(Order.SURFACE, "W from the operator"))
+    refused = line.command(Action(Setpoint(depth=5.0), "W from the operator"))
+    assert refused is not None
+    assert refused.result is Result.REFUSED
+    assert [frames(line, t) for t in (1.0, 1.2)] == [[b"W"], [b"W"]]

@@ -9,7 +9,8 @@ was sent counts as accepted: that it is followed is seen by telemetry alone.
 
 A word of the stick becomes frames of the board's own, where it has such; 600 ms without one the
 board is told to stop, as the STM32 would by itself (R6). Nothing is passed on as it came: what the
-board has no frames for is refused, and what held goes on (R14).
+board has no frames for is refused, and what held goes on (R14). An operator's W and the way in use
+that comes with it, for the same reason, are said in turn: W for one period (R7).
 
 What does not live here: boards that acknowledge (frontseat), frames (protocol.vehicles).
 """
@@ -62,6 +63,7 @@ class Repeater:
         self._seconds_per_byte = BITS_PER_BYTE / bits_per_s
         self._frames: list[bytes] = []
         self._action: Action | None = None
+        self._behind: Action | None = None  # the way in use, behind a W that has a period
         self._is_new = False
         self._news = ""  # the reason of outputs that are to be said with what holds
         self._stick: Setpoint | None = None  # what it holds
@@ -75,10 +77,21 @@ class Repeater:
             self._set_outputs(action.command, action.reason)
             return None
         try:
-            self._take(action, None)
+            if self._follows_w(action):
+                self._said(action.command)  # it has frames for it
+                self._behind = action
+            else:
+                self._take(action, None)
         except CannotEncode as error:
             return Outcome(Result.REFUSED, str(error).encode(), action.command)
         return None
+
+    def _follows_w(self, action: Action) -> bool:
+        """Behind an operator's W that has not been said, and came with it."""
+        held, is_w = self._action, action.command is Order.SURFACE
+        if held is None or held.command is not Order.SURFACE or is_w:
+            return False
+        return self._is_new and held.reason == action.reason
 
     def _set_outputs(self, outputs: Outputs, reason: str) -> None:
         """What holds is said at once with them; where nothing holds yet, neutral, by nobody."""
@@ -120,6 +133,8 @@ class Repeater:
     def poll(self, now: float) -> tuple[list[Tx], list[Outcome]]:
         if now >= self._lets_go:
             self._take(_LET_GO, Setpoint())
+        elif self._behind is not None and not self._is_new and now >= self._due:
+            self._take(self._behind, None)
         action = self._action
         if action is None or now < self._free or not (self._is_new or now >= self._due):
             return self._own_word(now), []
@@ -174,5 +189,5 @@ class Repeater:
         if self._closer is not None:
             self._closer.hold(action.command)
         self._given_up = False
-        self._action, self._is_new, self._news = action, True, ""
+        self._action, self._is_new, self._news, self._behind = action, True, "", None
         self._stick, self._lets_go = stick, math.inf

@@ -23,7 +23,7 @@ from mission.model import MANUAL_DRIVING, Step, Tx
 from mission.model.vehicle import Vehicle
 from mission.onboard.runtime.runtime import VEHICLE
 from mission.verification.campaign.audit import Spurious, commands_of, moves, moves_asked
-from mission.verification.campaign.obedience import Ignored, orders
+from mission.verification.campaign.obedience import WITHIN, Ignored, orders
 from mission.verification.campaign.trial import fault_ends
 from mission.verification.rig.acts import TOPSIDE, Act
 from mission.verification.rig.speech import Motion, Speech, same
@@ -74,6 +74,7 @@ class _Auditor:
         self._state = ""
         self._asked = self._before = speech.motions(Order.STOP)
         self._since = -math.inf
+        self._first: list[Motion] = []  # of the newest Step, what leaves before its last (R7)
         self._free = False  # what is asked for is held by the Pi
         self._held: list[Setpoint] = [Setpoint()]  # what the stick may hold
         self._last_m = -math.inf
@@ -118,7 +119,10 @@ class _Auditor:
     def _step(self, step: Step) -> None:
         if step.entered:
             self._state = step.entered[-1]
-        for command in commands_of(step):
+        commands = commands_of(step)
+        if commands:
+            self._first = [m for word in commands[:-1] for m in self._speech.motions(word)]
+        for command in commands:
             held, holds = self._free, isinstance(command, Setpoint)
             self._free = self._loop and holds and _is_held(command)
             self._ask(self._speech.motions(command), step.t)
@@ -133,6 +137,7 @@ class _Auditor:
             yield from self._under_the_stick(tx, said)
             return
         late = tx.t <= self._since + _SAME and same(self._before, said)
+        late = late or (tx.t <= self._since + WITHIN and same(self._first, said))
         if not (self._free or late or same(self._asked, said)):
             yield Spurious(tx.t, f"{_shown(said)} in {self._state}: not asked for ({tx.reason})")
 

@@ -50,7 +50,8 @@ def orders(
 ) -> Iterator[Ignored]:
     """``means``: the words of X and W that bytes to the vehicle are."""
     waits: tuple[Said, bytes] | None = None
-    lives, heard, excused = True, False, False  # in the turn of another way; as it was said
+    lives, leads = True, False  # W is the first word of a step in the turn of another way
+    heard = excused = False  # W has left in that turn; as it was said
     for event in events:
         if waits is not None and event.t > waits[0].t + WITHIN + _SAME:
             said, frame = waits
@@ -59,28 +60,36 @@ def orders(
             waits = None
         match event:
             case Step():
-                heard = _heard(event, heard)
+                leads, heard = _leads(event, leads), _goes_on(event) and heard
                 up = event.entered[-1:] == (SURFACED,)
                 if up and waits is not None and waits[1] == EMERGENCIES[Order.SURFACE]:
                     waits = None  # the surface is proved, and what is there is stopped
             case Said(data=data) if lives and (found := _ORDER.findall(data)):
                 waits, excused = (event, found[-1]), heard
             case Done(act=Act.KILL | Act.STALL):
-                waits, heard = None, False
+                waits, leads, heard = None, False, False
                 lives = event.act is not Act.KILL and lives
             case Done(act=Act.BOOT):
                 lives = True
             case Tx(link=link, data=data) if link == VEHICLE and waits is not None:
-                waits = None if waits[1] in means(data) else waits
+                if waits[1] in means(data):
+                    heard = heard or (leads and waits[1] == EMERGENCIES[Order.SURFACE])
+                    waits = None
             case _:
                 pass
 
 
-def _heard(step: Step, before: bool) -> bool:
-    """Whether W has left in the turn of another way, behind a step."""
+def _leads(step: Step, before: bool) -> bool:
+    """Whether a W has to leave before the way in use, behind a step."""
     if commands := commands_of(step):
         return commands[0] is Order.SURFACE and len(commands) > 1
-    return before and (not step.entered or step.entered[-1] == SURFACING)
+    return before and _goes_on(step)
+
+
+def _goes_on(step: Step) -> bool:
+    """The turn that was, behind a step."""
+    is_left = step.entered and step.entered[-1] != SURFACING
+    return not (is_left or commands_of(step))
 
 
 def _sets(events: Sequence[Event], dialect: str) -> Iterator[Ignored]:

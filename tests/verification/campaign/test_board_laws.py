@@ -15,10 +15,11 @@ from programs import run
 from links.simulated.settings import FaultEvent, Settings
 from mission.authoring.language import parse
 from mission.authoring.prepare import check_prepared, prepare
-from mission.model import MANUAL_DRIVING, Action, Mission, Outcome, Step, Tx
+from mission.model import MANUAL_DRIVING, SURFACING, Action, Mission, Outcome, Step, Tx
 from mission.model.shipped import load_vehicle
 from mission.onboard.runtime import repeater
 from mission.onboard.runtime.repeater import Repeater
+from mission.verification.campaign.board_laws import audit
 from mission.verification.campaign.draw import (
     INCIDENTS,
     draw,
@@ -143,6 +144,18 @@ def test_what_holds_and_is_not_said_again_is_spurious(name: str) -> None:
             yield event
 
     assert SPURIOUS in kinds(name, change)
+
+
+@pytest.mark.parametrize(("at", "found"), [(5.05, 0), (5.15, 1)])
+def test_only_at_once_a_w_is_said_before_the_way_in_use(at: float, found: int) -> None:
+    vehicle = load_vehicle("coreboard")
+    board = Speech(vehicle).board
+    words = ("emergency surfacing: W", "everything stopped: W")
+    events: list[Event] = [Step(5.0, "", (), (), (SURFACING,), words, "W")]
+    for t, order in ((5.0, Order.STOP), (at, Order.SURFACE), (at + 0.1, Order.STOP)):
+        events.append(Tx(t, "vehicle", board.encode(order)[0], "W"))
+    told = [one for one in audit(events, vehicle) if "not asked for" in one.says]
+    assert len(told) == found
 
 
 @pytest.mark.parametrize("name", NAMES)

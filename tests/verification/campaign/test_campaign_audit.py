@@ -230,6 +230,13 @@ def test_a_w_said_again_as_the_turn_of_its_way_ends_leaves_no_more() -> None:
     assert held_back(*events, said(16.0, b"@ZAWF$")) == 1
 
 
+def test_that_a_w_was_to_leave_before_another_way_is_no_proof_that_it_did() -> None:
+    heard = step(5.0, "emergency surfacing: W", "everything stopped: W", trigger="W")
+    let_go = (said(5.0, b"@ZAWF$"), heard, sent(5.05, b"@ZAX0$"))
+    assert held_back(*let_go) == 1
+    assert held_back(*let_go[:2], sent(5.0, b"@ZAWF$"), let_go[2], said(6.0, b"@ZAWF$")) == 0
+
+
 def test_every_frame_of_a_set_leaves_within_5_s() -> None:
     both = (sent(1.1, b"@ZAS4$"), sent(5.9, b"@ZAH-90,6$"))
     assert held_back(*STARTED, *both) == 0
