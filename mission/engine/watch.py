@@ -4,6 +4,7 @@
     steering   a heading that runs away from the one that was asked for
     progress   a depth that was asked for and does not come nearer
     course     where it goes over ground against where the bow points
+    closing    the readings that the Pi itself holds an axis by: without them it says neutral
 
 What does not live here: the rows (limits), their counters (monitor), responses (engine).
 """
@@ -19,9 +20,9 @@ from mission.engine.vehicle_state import SURFACE_DEPTH, THRUSTERS, VehicleState
 from mission.legs.base import wrap
 from mission.model.copies import copied
 from mission.model.units import GEARS
-from mission.model.vehicle import Vehicle
+from mission.model.vehicle import CLOSED, CLOSED_S, Vehicle
 from mission.navigation.fixes import RECENT
-from protocol.messages import Fix, Setpoint
+from protocol.messages import Fix, Setpoint, Telemetry
 
 _ALLOWANCE = 2.0  # m of momentum, waves and noise that are no descent
 _SINKING = 0.1  # m/s: less is no descent
@@ -139,6 +140,34 @@ class Progress:
             self.words = f"for {_STUCK_TIME:g} s no nearer to {wanted:g} m, at {depth:.1f} m"
 
 
+class Closing:
+    """``_since``: from when on an axis' reading has come without a gap."""
+
+    __slots__ = ("_last", "_since")
+
+    def __init__(self) -> None:
+        self._last: dict[str, float] = {}
+        self._since: dict[str, float] = {}
+
+    def clone(self) -> Self:
+        return copied(self)
+
+    def take(self, report: Telemetry) -> None:
+        for name in CLOSED:
+            if getattr(report, name) is not None:
+                if report.t - self._last.get(name, -math.inf) > CLOSED_S:
+                    self._since[name] = report.t
+                self._last[name] = report.t
+
+    def acts(self, t: float, sent: Setpoint) -> bool:
+        """Thrusters can turn by what the Pi said before a report of then."""
+        held = [name for name in CLOSED if getattr(sent, name) is not None]
+        return all(
+            t - self._last.get(name, -math.inf) <= CLOSED_S and t >= self._since[name] + _SETTLE
+            for name in held
+        )
+
+
 class Watch:
     """``sent`` is the set in force at the vehicle (None: nothing, or an order)."""
 
@@ -149,6 +178,7 @@ class Watch:
     descent: Descent
     steering: Steering
     progress: Progress
+    closing: Closing
 
     def __init__(self, vehicle: Vehicle, vehicle_state: VehicleState, bounds: Bounds) -> None:
         self.vehicle, self.vehicle_state, self.bounds = vehicle, vehicle_state, bounds
@@ -166,6 +196,7 @@ class Watch:
         self.excused = False  # a descent, by an ascent that answers it or by the stick that asks it
         self.repeated = False  # after a brown-out the set was sent again
         self.descent, self.steering, self.progress = Descent(), Steering(), Progress()
+        self.closing = Closing()
 
     def clone(self, vehicle_state: VehicleState) -> Self:
         return copied(self, vehicle_state=vehicle_state)
@@ -186,6 +217,7 @@ class Watch:
         report = self.vehicle_state.telemetry
         assert report is not None
         self.heard = report.t
+        self.closing.take(report)
         asked = self.excused or self._dive_asked()
         self.excused = False
         depth = self.vehicle_state.depth
@@ -262,18 +294,24 @@ class Watch:
         return all(abs(a) <= _NEUTRAL for a in report.actuators[:THRUSTERS])
 
     def powerless(self) -> bool | None:
-        """Thrust is set and acknowledged, and every thruster is neutral."""
+        """Thrust is set and acknowledged, and every thruster is neutral. None, too, where the Pi
+        has said neutral by itself."""
         report, sent = self.vehicle_state.telemetry, self.sent
         if report is None or not report.actuators or sent is None or self.accepted_at is None:
             return None
         if not (sent.surge or sent.turn or sent.heave):
             return False
-        if report.t < self.accepted_at + _SETTLE:
+        if report.t < self.accepted_at + _SETTLE or not self._closes(report.t, sent):
             return None
         if any(abs(a) > _NEUTRAL for a in report.actuators[:THRUSTERS]):
             self.repeated = False
             return False
         return True
+
+    def _closes(self, t: float, sent: Setpoint) -> bool:
+        """Where the Pi holds the axes of the set: it has not said neutral by itself."""
+        loop = self.vehicle.outer_loop
+        return loop is None or not loop.confirmed or self.closing.acts(t, sent)
 
 
 def _leads_down(sent: Setpoint) -> bool:

@@ -201,6 +201,7 @@ class Beacon:
 
 
 CLOSED = ("depth", "heading")  # the axes of an outer loop
+CLOSED_S = 0.5  # an older report of one, and the Pi says neutral (R17)
 
 
 @dataclass(frozen=True, slots=True)

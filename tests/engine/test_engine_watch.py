@@ -310,6 +310,40 @@ def test_thrust_that_was_accepted_half_a_second_ago_turns_a_thruster_or_power_is
     assert one.powerless() is None
 
 
+def closed_by_the_pi(*headings: tuple[float, float | None], held: bool = True) -> LimitMonitor:
+    """A ROV that goes ahead, by a heading where it is ``held``; every thruster is neutral."""
+    rov = load_vehicle("rov")
+    assert rov.outer_loop is not None
+    one = watch()
+    one.vehicle = replace(rov, outer_loop=replace(rov.outer_loop, confirmed="2026-06-01"))
+    one.set_sent(Setpoint(surge=0.3, heading=1.0 if held else None))
+    one.accepted_at = 0.0
+    for t, heading in headings:
+        heard(one, t, heading=heading)
+    return one
+
+
+@pytest.mark.parametrize(
+    ("headings", "gone"),
+    [
+        (((19.5, 1.0), (20.0, 1.0)), True),
+        (((19.5, 1.0), (20.0, None)), True),
+        (((19.0, 1.0), (19.5, 1.0), (20.0, None)), True),
+        (((19.0, 1.0), (19.4, 1.0), (20.0, None)), None),
+        (((19.2, 1.0), (20.0, 1.0)), None),
+        (((19.2, 1.0), (20.0, 1.0), (20.4, 1.0)), None),
+        (((19.2, 1.0), (20.0, 1.0), (20.5, 1.0)), True),
+    ],
+)
+def test_thrusters_that_the_pi_itself_made_neutral_are_not_without_power(headings, gone):
+    """R17: it does where the report of an axis that it holds is older than half a second."""
+    assert closed_by_the_pi(*headings).powerless() is gone
+    assert closed_by_the_pi(*headings, held=False).powerless() is True
+    unconfirmed = closed_by_the_pi(*headings)
+    unconfirmed.vehicle = load_vehicle("rov")
+    assert unconfirmed.powerless() is True
+
+
 def test_where_nothing_is_asked_of_the_thrusters_power_is_not_gone():
     one = watch()
     assert one.powerless() is None

@@ -16,8 +16,8 @@ from mission.authoring.prepare import Prepared, Unreadable, prepare
 from mission.commands.doctor import doctor
 from mission.model import Action, Result
 from mission.model.shipped import load_vehicle
-from mission.model.vehicle import OuterLoop
-from mission.onboard.runtime.outer_loop import GROWS_S, STALE_S, LoopCloser
+from mission.model.vehicle import CLOSED_S, OuterLoop
+from mission.onboard.runtime.outer_loop import GROWS_S, LoopCloser
 from mission.onboard.runtime.repeater import Repeater
 from mission.verification.simulation.flight import fly
 from mission.verification.simulation.flightlog import Flight
@@ -109,8 +109,8 @@ def test_a_report_that_is_older_than_half_a_second_is_neutral() -> None:
     closer = LoopCloser(loop())
     told(closer, 1.0, 2.0)
     wanted = Setpoint(surge=0.3, depth=3.0)
-    assert closer.closed(wanted, 1.0 + STALE_S) != Setpoint()
-    assert closer.closed(wanted, 1.001 + STALE_S) == Setpoint()
+    assert closer.closed(wanted, 1.0 + CLOSED_S) != Setpoint()
+    assert closer.closed(wanted, 1.001 + CLOSED_S) == Setpoint()
     closer.report(Telemetry(2.0, depth=2.0))
     assert closer.closed(wanted, 2.0) != Setpoint()
 
@@ -191,7 +191,7 @@ def test_a_rov_whose_report_is_older_than_half_a_second_is_told_neutral_on_its_w
     made = ready(tmp_path)
     silence = parse_settings((f"fault=stm32_silent@{SILENT_AT}+{SILENT_S}",))
     flight = fly(made.mission, made.vehicle, seed=3, settings=silence)
-    known = SILENT_AT + STALE_S
+    known = SILENT_AT + CLOSED_S
     assert (0.0, 0.0, 0.0) not in efforts(flight, SILENT_AT - 2.0, known - 0.06)
     assert set(efforts(flight, known + 0.06, SILENT_AT + SILENT_S)) == {(0.0, 0.0, 0.0)}
     back = efforts(flight, SILENT_AT + SILENT_S + 0.2, SILENT_AT + SILENT_S + 2.0)

@@ -15,10 +15,9 @@ import math
 from collections import deque
 from dataclasses import replace
 
-from mission.model.vehicle import AxisLoop, OuterLoop
+from mission.model.vehicle import CLOSED_S, AxisLoop, OuterLoop
 from protocol.messages import Order, Setpoint, Telemetry
 
-STALE_S = 0.5
 GROWS_S = 5.0
 GROWN = {"depth": 0.5, "heading": math.radians(30.0)}  # m, rad
 _SMOOTH_S = 0.3  # time constant of the filter
@@ -126,7 +125,7 @@ class LoopCloser:
         held = self._held()
         if not isinstance(command, Setpoint) or not held:
             return command
-        if self.fault or now - self._heard > STALE_S:
+        if self.fault or now - self._heard > CLOSED_S:
             return Setpoint()
         efforts = {_EFFORTS[name]: self._axes[name].effort for name in held}
         heave, turn = efforts.get("heave", command.heave), efforts.get("turn", command.turn)
