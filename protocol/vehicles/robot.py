@@ -49,6 +49,7 @@ from protocol.vehicles.robot_outputs import (
     POWER,
     ROBOT,
     commands,
+    sets,
 )
 from protocol.vehicles.stick import stick_keys
 
@@ -318,8 +319,8 @@ class RobotCodec(SilentBoard):
 
     def take_outputs(self, levels: Mapping[str, float]) -> dict[str, bytes]:
         super().take_outputs(levels)
-        frames = (self._frame.encode(values) for values in commands(levels, self.levels))
-        return {frame[1:3].hex(): frame for frame in frames}
+        told = commands(levels, self.levels)
+        return {sets(values): self._frame.encode(values) for values in told}
 
     def encode(self, setpoint: Setpoint | Order) -> list[bytes]:
         """The speed first: a motion begins with what it should have."""

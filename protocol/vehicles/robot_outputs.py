@@ -48,6 +48,10 @@ CHANNELS: tuple[Channel, ...] = (
 )  # fmt: skip
 
 _ANGLES = ("gimbal_yaw_deg", "gimbal_pitch_deg")
+_ONE = (  # commands that set the same: centre and angles, the questions to the power module
+    ((GIMBAL, 0), (GIMBAL, 2)),
+    ((POWER, 0), (POWER, 1), (POWER, 2), (POWER, 3)),
+)
 _THOUSANDTHS = (
     *("over_voltage_v", "under_voltage_v", "over_current_a", "under_current_a", "over_power_w"),
 )
@@ -85,6 +89,13 @@ def commands(given: Iterable[str], levels: Mapping[str, float]) -> Iterator[Mapp
             yield {"address": POWER, "command": command, "thousandths": round(1000 * level)}
         elif name == "handshake" and level:
             yield {"address": ROBOT, "command": HANDSHAKE}
+
+
+def sets(values: Mapping[str, Any]) -> str:
+    """What such values set, by whichever of its commands."""
+    address, command = values["address"], values["command"]
+    first = next((row[0] for row in _ONE if (address, command) in row), (address, command))
+    return f"{first[0]} {first[1]}"
 
 
 def _gimbal(yaw: float, pitch: float) -> Mapping[str, Any]:

@@ -9,8 +9,9 @@ import pytest
 from test_other_vehicles import prepared
 from test_sticks import AHEAD, Bench
 
-from mission.model import MANUAL_DRIVING, SURFACING, Outcome
+from mission.model import MANUAL_DRIVING, SURFACING, Outcome, Tx
 from mission.model.running import Action
+from mission.model.shipped import load_vehicle
 from mission.model.vehicle_file import read_vehicle
 from mission.onboard.runtime.frontseat import Frontseat
 from mission.onboard.runtime.line import line_to
@@ -152,6 +153,27 @@ def test_the_gimbal_is_told_three_times_and_nothing_else_is_said_to_the_robot() 
     assert angles == bytes.fromhex("AA 02 02 04 E2 04 00 00 00 00 99 DD")
     times = [round(tx.t, 3) for tx in bench.to_board(0.0)]
     assert times == [1.0, 3.0, 5.0]
+
+
+@pytest.mark.parametrize(("first", "then"), [(60.0, 0.0), (0.0, 60.0)])
+def test_a_newer_word_for_the_gimbal_takes_the_place_of_the_older_the_centre_too(
+    first: float, then: float
+) -> None:
+    vehicle = load_vehicle("robot")
+    line = line_to(codec(*vehicle.speaks), "vehicle", "serial:///x", vehicle)
+
+    def told(yaw: float, until: float) -> list[bytes]:
+        line.command(Action(Outputs((("gimbal_yaw", yaw),)), "a leg"))
+        said, now = list[Tx](), 0.0
+        while (due := line.next_timer()) is not None and due <= until:
+            now = max(now, due)
+            said += line.poll(now)[0]
+        return [tx.data for tx in said if tx.data[1] == 2]
+
+    assert len(told(first, 0.5)) == 1
+    newer = told(then, 10.0)
+    assert newer == [newer[0]] * 3
+    assert newer[0][2] == (2 if then else 0)
 
 
 AUV = Path("missions/vehicles/auv.yaml").read_text(encoding="utf-8") + (
