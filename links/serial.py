@@ -31,10 +31,10 @@ class SerialLink:
             self._port: serial.Serial | None = serial.Serial(
                 device, baud, timeout=0, write_timeout=0, exclusive=True
             )
-        except serial.SerialException as error:
-            raise _why(name, device, error) from error
         except ValueError as error:
             raise LinkAddressError(f"{name}: {device}: {error}") from error
+        except Exception as error:  # termios.error, too: a device that goes away meanwhile
+            raise _why(name, device, error) from error
 
     def fileno(self) -> int:
         return -1 if self._port is None else int(self._port.fileno())
@@ -113,8 +113,8 @@ def _is_hung_up(fd: int) -> bool:
     return False
 
 
-def _why(name: str, device: str, error: serial.SerialException) -> LinkError:
-    number = error.errno
+def _why(name: str, device: str, error: Exception) -> LinkError:
+    number = error.args[0] if error.args else None
     if number in _BUSY or "exclusively lock" in str(error):
         return LinkBusy(f"{name}: {device} is in use by another program: close that one first")
     if number in _ABSENT:

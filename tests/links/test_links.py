@@ -9,6 +9,7 @@ import select
 import socket
 import subprocess
 import sys
+import termios
 import tty
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -124,6 +125,24 @@ def test_a_port_that_was_pulled_out_is_told_though_another_has_its_name_by_now(
         again(lambda: link.receive(0.0))
     os.close(master)
     os.close(slave)
+
+
+def test_a_port_that_goes_away_while_it_is_opened_is_absent(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    master, slave = os.openpty()
+    path = os.ttyname(slave)
+    os.close(slave)
+    really = termios.tcgetattr
+
+    def is_pulled_out(fd: int) -> list[object]:
+        read = really(fd)
+        os.close(master)
+        return read
+
+    monkeypatch.setattr(termios, "tcgetattr", is_pulled_out)
+    with pytest.raises(LinkAbsent, match=f"vehicle: no device {path}"):
+        SerialLink("vehicle", path)
 
 
 def test_a_port_that_takes_nothing_is_closed_before_memory_fills() -> None:

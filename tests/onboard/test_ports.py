@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import asyncio
+import termios
 import threading
 
 import pytest
+from patience import LONG
 
 from links.base import LinkClosed, Rx
 from links.joined import JoinedLink
@@ -92,3 +94,36 @@ def test_an_end_of_a_joined_link_is_told_as_away_and_as_open_as_a_port_is(
     monkeypatch.setattr(ports, "open_link", lambda name, url: JoinedLink(name, lambda: bus, line))
     asyncio.run(asyncio.wait_for(serve(), 60.0))
     assert told == ["its plug is out - trying again", "vehicle: can://x?sensors=y is open"]
+
+
+@pytest.mark.parametrize(
+    "error",
+    [
+        OSError(5, "Input/output error"),
+        termios.error(5, "Input/output error"),
+        RuntimeError("of whatever kind"),
+    ],
+)
+def test_what_failed_to_open_is_opened_again_whatever_kind_of_error_it_was(
+    monkeypatch: pytest.MonkeyPatch, error: Exception
+) -> None:
+    failures, told = [error], list[str]()
+
+    def once(name: str, url: str) -> MemoryLink:
+        if failures:
+            raise failures.pop()
+        return MemoryLink(name)
+
+    async def serve() -> None:
+        opened = asyncio.Event()
+        port = Port("gps", "memory://x", lambda port: None, lambda port: opened.set(), told.append)
+        keeping = asyncio.get_running_loop().create_task(port.keep_open())
+        await asyncio.wait_for(opened.wait(), LONG)
+        assert port.link is not None
+        keeping.cancel()
+        await asyncio.gather(keeping, return_exceptions=True)
+
+    monkeypatch.setattr(ports, "open_link", once)
+    monkeypatch.setattr(ports, "RETRY_S", 0.0)
+    asyncio.run(serve())
+    assert [text.endswith(" - trying again") for text in told] == [True, False]

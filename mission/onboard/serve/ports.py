@@ -4,8 +4,9 @@
     switched off (@NS) --> closed, until switched on
 
 An end of a joined link (links.joined) that is away is told as a port is, and so is its coming back.
-A port that is busy or absent is told once, in the link's own words, and tried again for ever; a
-link's error never leaves here. What does not live here: what the bytes mean (runtime), the links.
+A port that is busy or absent is told once, in the link's own words, and tried again for ever,
+whatever kind of error that was; none leaves here. What does not live here: what the bytes mean
+(runtime), the links.
 """
 
 from __future__ import annotations
@@ -84,7 +85,14 @@ class Port:
         try:
             while True:
                 await self._on.wait()
-                await self._open()
+                try:
+                    await self._open()
+                except Exception as error:  # of whatever kind: nobody else would open it again
+                    self._complain(f"{_said(self.name, error)} - trying again")
+                    self._tried.set()
+                    self.close()
+                if self._on.is_set():
+                    await asyncio.sleep(RETRY_S)
         finally:
             self._tried.set()
             self.close()
@@ -97,21 +105,12 @@ class Port:
     async def _open(self) -> None:
         loop = asyncio.get_running_loop()
         self._closed.clear()
-        try:
-            opening = loop.run_in_executor(None, open_link, self.name, self.url)
-            link = await _wanted(opening)
-        except (LinkError, OSError) as error:
-            self._complain(f"{error} - trying again")
-            self._tried.set()
-            await asyncio.sleep(RETRY_S)
-            return
+        link = await _wanted(loop.run_in_executor(None, open_link, self.name, self.url))
         if not self._on.is_set():
             link.close()
             return
         self._adopt(link)
         await self._closed.wait()
-        if self._on.is_set():
-            await asyncio.sleep(RETRY_S)
 
     def _adopt(self, link: Link) -> None:
         self.link = link
@@ -221,6 +220,11 @@ class Port:
         if text != self._told:
             self._told = text
             self._tell(text)
+
+
+def _said(name: str, error: Exception) -> str:
+    """A link's error names the link."""
+    return str(error) if isinstance(error, OSError) else f"{name}: {error!r}"
 
 
 async def _wanted(opening: asyncio.Future[Link]) -> Link:
