@@ -35,7 +35,7 @@ def set_output(core: Core, command: SetOutput) -> Verdict:
 def _situation(core: Core) -> Situation:
     run, driving = core.run, core.active == MANUAL_DRIVING
     held = {} if run is None else dict(run.chart.state(run.leaf).outputs)
-    return Situation(core.region, core.emergency_at, held, driving, core.ending)
+    return Situation(core.region, core.emergency_at, held, driving, core.ending_since is not None)
 
 
 def _climbs(core: Core) -> bool:

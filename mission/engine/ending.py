@@ -8,9 +8,10 @@
     elsewhere                          --> stays as it is: a thruster that stands is not turned
 
 ``settled`` says when the program may go: not before what an ascent has let go at the surface was
-seen to stay there, for what is too heavy sinks again. Where it must go before that, X0 and U12 are
-its last words: on the vehicle as built W does not stick, and nobody will be there to try another
-way.
+seen to stay there, for what is too heavy sinks again; nor while a stop is not acknowledged, but
+where nobody seems to be there to do so: a board without power, on deck. Where it must go before the
+surface is proved, X0 and U12 are its last words: on the vehicle as built W does not stick, and
+nobody will be there to try another way.
 
 What does not live here: for how long the program may stay (serve), the ascent (ascent).
 """
@@ -35,10 +36,12 @@ from protocol.messages import UPWARD, Setpoint
 
 WHY = "the program is ended"
 STAYS_UP = 30.0  # s; 0.3 N too heavy, it is 1 m deep after 25 s
+UNHEARD = 30.0  # s without a report, at the surface as far as is known: nobody is there
 
 
 def begin(core: Core, order: Ending) -> None:
-    core.ending = True
+    if core.ending_since is None:
+        core.ending_since = core.now
     if order.now:
         last_words(core)
 
@@ -57,6 +60,11 @@ def go_on(core: Core) -> None:
 
 def settled(core: Core) -> bool:
     """Whether nobody has to stay with the vehicle."""
+    return _is_left_alone(core) and not _may_still_turn(core)
+
+
+def _is_left_alone(core: Core) -> bool:
+    """Whether it needs nobody, once it has done what it was told last."""
     if core.region == MANUAL:
         return not _ascends_from_stick(core)
     if core.region == AUTONOMOUS or core.active == SURFACING or _may_sink_again(core):
@@ -75,7 +83,7 @@ def hears_stick(core: Core) -> bool:
 def last_words(core: Core) -> None:
     """Sends the commands that have to hold when the program is gone. What an ascent has let go at
     the surface stays so."""
-    if settled(core) or core.region == IDLE or core.active == STOPPED:
+    if _is_left_alone(core) or core.region == IDLE or core.active == STOPPED:
         return
     if core.active == SURFACED and not (_is_deep(core) and core.auto):
         return
@@ -94,6 +102,15 @@ def _may_sink_again(core: Core) -> bool:
     What drives on the ground does not."""
     floats = core.vehicle_state.depth is not None and not core.vehicle.drives
     return floats and core.active == SURFACED and core.now < core.let_go_at + STAYS_UP
+
+
+def _may_still_turn(core: Core) -> bool:
+    """Whether a stop is not acknowledged, and somebody may still do so."""
+    if core.stop_at is None:
+        return False
+    report = core.vehicle_state.telemetry
+    heard = [core.ending_since or 0.0] + ([] if report is None else [report.t])
+    return core.vehicle_state.submerged or core.now < max(heard) + UNHEARD
 
 
 def _is_deep(core: Core) -> bool:

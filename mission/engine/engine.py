@@ -133,7 +133,7 @@ class Engine:
         self._mind_stick()
         if reported:
             doubt(core)
-        if core.ending:
+        if core.ending_since is not None:
             ending.go_on(core)
         core.climb()
         core.fly_on()

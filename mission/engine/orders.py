@@ -87,7 +87,7 @@ def set_safety(core: Core, command: SetSafety) -> Verdict:
 def manual(core: Core, command: Manual) -> Verdict:
     silent_since = max(core.any_stick, core.emergency_at)
     core.any_stick = core.now
-    if core.ending and not hears_stick(core):
+    if core.ending_since is not None and not hears_stick(core):
         return Verdict(False, f"{WHY}: nobody would stop what the stick moves")
     if core.region == EMERGENCY:
         if core.now - silent_since < STICK_QUIET:
@@ -154,7 +154,7 @@ def start(core: Core, command: StartMission) -> Verdict:
 
 
 def why_not_start(core: Core) -> str:
-    if core.ending:
+    if core.ending_since is not None:
         return f"{WHY} when it has surfaced"
     if core.region == EMERGENCY:
         return "an emergency: clear it (@AC), or take the stick"

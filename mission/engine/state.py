@@ -63,7 +63,7 @@ class EngineState:
         self.auto = True  # node AUTO
         self.emergency_since_idle = False
         self.emergency_at = -math.inf  # when the last one began
-        self.ending = False  # the program is to end
+        self.ending_since: float | None = None  # the program is to end
         self.deep_reports: int | None = None  # in a row, while nobody knows what was under way
         self.uncertain = False  # answered; again only after it was certain in between
         self.reason = ""  # of the state that is active

@@ -19,6 +19,7 @@ from mission.model import (
     Loaded,
     Mission,
     Restarted,
+    Result,
 )
 from protocol.messages import ClearMission, Order, StartMission
 
@@ -134,6 +135,46 @@ def test_nobody_leaves_what_is_deep_in_idle_or_stopped():
     world.depth = 2.0
     world.tell(world.report())
     assert world.engine.settled
+
+
+def test_nobody_leaves_a_vehicle_that_has_not_acknowledged_its_stop():
+    world = flying_at(0.2, AFLOAT)
+    world.answer, world.stops = None, False
+    world.tell(X)
+    world.tell(Ending())
+    before = len(world.actions)
+    world.wait(200.0)
+    assert (world.state, world.engine.settled) == (STOPPED, False)
+    assert since(world, before) == [STOP] * 400, "every 500 ms"
+    world.answer, world.stops = Result.ACCEPTED, True
+    world.wait(0.5)
+    assert world.engine.settled
+
+
+@pytest.mark.parametrize(("depth", "goes"), [(None, True), (0.2, True), (1.5, False)])
+def test_a_board_that_says_nothing_delays_the_end_by_half_a_minute_at_the_surface_alone(
+    depth: float | None, goes: bool
+):
+    world = World()
+    world.depth, world.answer = depth, None
+    world.wait(8.0)
+    world.tell(X)
+    world.wait(60.0, reports=False)
+    world.tell(Ending())
+    world.wait(29.0, reports=False)
+    assert not world.engine.settled
+    world.wait(2.0, reports=False)
+    assert world.engine.settled is goes
+
+
+def test_a_stop_without_its_acknowledgement_is_no_reason_for_thrust_upward():
+    world = World()
+    world.wait(8.0)
+    world.tell(M)
+    world.answer = None
+    world.tell(Ending())
+    world.tell(Ending(now=True))
+    assert (world.commands(), world.engine.settled) == ([STOP], False)
 
 
 def test_the_stick_keeps_what_it_has_until_it_is_silent_for_two_seconds():

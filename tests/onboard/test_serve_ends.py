@@ -152,7 +152,8 @@ def test_serve_that_is_ended_and_begun_again_on_deck_turns_no_thruster(
     store = MemoryStore(Stored(under_way=during))
     for _ in range(2):
         with silent_board() as (master, device):
-            with running(tmp_path, f"serial://{device}", store=store, leave_within=PATIENCE):
+            vehicle = f"serial://{device}"
+            with running(tmp_path, vehicle, store=store, speed=60.0, leave_within=PATIENCE):
                 time.sleep(0.5)
             heard = read_now(master)
         assert heard.replace(b"@ZAX0$", b"") == b""

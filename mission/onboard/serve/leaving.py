@@ -23,12 +23,12 @@ MARGIN_S = 10.0  # real time, for the last words and for the black box
 LAST_WORDS_S = 3.0  # real time, for the answers to the last words and their further tries
 LOOK_S = 0.05
 UP_FIRST = (
-    "serve ends when the vehicle is at the surface; X, W and the stick are still heard; "
-    "told once more (ctrl-C, SIGTERM) it ends at once"
+    "serve ends when the vehicle is at the surface, and has acknowledged its stop; X, W and the "
+    "stick are still heard; told once more (ctrl-C, SIGTERM) it ends at once"
 )
 TOO_EARLY = (
-    "serve ends before the surface is proved: what the vehicle was told last holds; "
-    "when serve runs again, it surfaces the vehicle"
+    "serve ends before the surface is proved, or the stop acknowledged: what the vehicle was told "
+    "last holds; when serve runs again, it surfaces the vehicle, or stops it again"
 )
 
 
