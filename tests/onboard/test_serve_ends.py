@@ -133,6 +133,20 @@ def test_told_to_end_twice_serve_ends_at_once_with_its_last_words(tmp_path: Path
 
 
 @pytest.mark.replaces
+def test_told_to_end_twice_behind_a_fault_serve_says_its_last_words_by_the_next_runtime(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with diving(tmp_path, PATIENCE) as (pi, _, heard):
+        with monkeypatch.context() as patch:
+            patch.setattr(Runtime, "handle_timer", lambda *_: 1 // 0)
+            soon(lambda: pi.has_told("a fault of the program"), "the fault")
+            pi.tell_to_end()
+        pi.stop()
+        assert last_of(heard, 2) == [b"@ZAX0$", b"@ZAU12$"]
+    assert pi.store.content.under_way == SURFACING
+
+
+@pytest.mark.replaces
 def test_while_serve_ends_the_operator_is_heard_and_no_mission_starts(tmp_path: Path) -> None:
     with diving(tmp_path, PATIENCE) as (pi, _, heard):
         with pi.boat() as boat:

@@ -2,6 +2,7 @@
 
     signal --> up first, while the operator's words still count --> settled        --> end
     another signal, or MARGIN_S before the service manager kills --> last words    --> end
+    (behind a fault of the program the last words are those of the runtime that is due)
 
 Whoever ends serve may be about to switch the Pi off, and a vehicle in automatic keeps its last
 setpoint for ever. The service manager tells nobody how long it waits: the unit says it twice, as
@@ -20,6 +21,7 @@ from mission.onboard.runtime.runtime import Runtime
 VARIABLE = "AUVMISSION_STOP_S"
 USUAL_S = 300.0  # TimeoutStopSec of the unit
 MARGIN_S = 10.0  # real time, for the last words and for the black box
+REBORN_S = 4.0  # real time, for a runtime that is due behind a fault
 LAST_WORDS_S = 3.0  # real time, for the answers to the last words and their further tries
 LOOK_S = 0.05
 UP_FIRST = (
@@ -54,7 +56,7 @@ class Leaving:
     ) -> None:
         self._seconds, self._living, self._end, self._tell = seconds, living, end, tell
         self.ordered, self._hurry = asyncio.Event(), asyncio.Event()
-        self.over = False
+        self.last = self.over = False  # ``last``: what begins now says the last words at once
 
     def signal(self) -> None:
         """Takes in a signal; the second one hurries."""
@@ -68,8 +70,10 @@ class Leaving:
             self._tell(UP_FIRST)
         await _until(lambda: self._settled() or self._hurry.is_set(), self._seconds)
         if not self._settled():
+            self.last = True
             self._end(True)
             self._tell(TOO_EARLY)
+        await _until(lambda: self._living() is not None, REBORN_S)
         await _until(self._said_all, LAST_WORDS_S)
         self.over = True
 
@@ -79,7 +83,7 @@ class Leaving:
 
     def _said_all(self) -> bool:
         runtime = self._living()
-        return runtime is None or runtime.said_all
+        return runtime is not None and runtime.said_all
 
 
 async def _until(holds: Callable[[], bool], seconds: float) -> None:

@@ -217,7 +217,7 @@ class Server:
         if not self._leaving.over:
             await self._begin()
         if self._leaving.ordered.is_set():
-            self._order_end(False)
+            self._order_end(self._leaving.last)
 
     # --- in ----------------------------------------------------------------------------------
 
