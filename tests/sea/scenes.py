@@ -13,6 +13,7 @@ from tests.sea import (
     leftovers,
     mixtures,
     nuisances,
+    overlooked,
     pairs,
     people,
     promises,
@@ -46,4 +47,4 @@ SCENES: tuple[Scene, ...] = (
 )
 
 # Flown by `make check`; draws are from the scenes above.
-PAIRS = (*pairs.SCENES, *leftovers.SCENES, *afloat.SCENES, *aids.SCENES)
+PAIRS = (*pairs.SCENES, *leftovers.SCENES, *afloat.SCENES, *aids.SCENES, *overlooked.SCENES)
