@@ -123,6 +123,29 @@ def test_a_report_without_the_reading_does_not_count() -> None:
     assert closer.closed(Setpoint(depth=3.0), 2.0) == Setpoint()
 
 
+def test_a_new_set_begins_with_nothing_of_the_effort_of_an_earlier_one() -> None:
+    closer, most = LoopCloser(loop()), loop().depth.most
+    assert told(closer, 1.0, 0.0).heave == most
+    closer.hold(Order.STOP)
+    for i in range(21, 200):
+        closer.report(Telemetry(i / 20, depth=8.0))
+    up = Setpoint(depth=2.0)
+    closer.hold(up)
+    efforts = closer.closed(up, 10.0)
+    assert isinstance(efforts, Setpoint)
+    assert efforts.heave == -most
+
+
+def test_a_new_set_whose_axis_was_not_reported_begins_neutral() -> None:
+    closer = LoopCloser(loop())
+    told(closer, 1.0, 0.0)
+    closer.hold(Order.STOP)
+    for i in range(21, 200):
+        closer.report(Telemetry(i / 20, heading=1.0))
+    closer.hold(Setpoint(depth=2.0))
+    assert closer.closed(Setpoint(depth=2.0), 10.0) == Setpoint()
+
+
 @pytest.mark.parametrize(("rate", "given_up"), [(-0.09, False), (-0.11, True), (0.1, False)])
 def test_an_error_that_grows_by_half_a_metre_in_5_s_ends_the_holding(
     rate: float, given_up: bool

@@ -26,11 +26,12 @@ _EFFORTS = {"depth": "heave", "heading": "turn"}
 
 
 class _Axis:
-    """One axis: an alpha-beta filter (Kalata 1984: beta = alpha^2 / (2 - alpha)) and a PID loop."""
+    """One axis: an alpha-beta filter (Kalata 1984: beta = alpha^2 / (2 - alpha)) and a PID loop.
+    ``heard``: when its reading was last reported."""
 
     def __init__(self, name: str, gains: AxisLoop) -> None:
         self.name, self._gains, self._circular = name, gains, name == "heading"
-        self._t = -math.inf
+        self.heard = -math.inf
         self._value = self._rate = self._sum = 0.0
         self._wanted: float | None = None
         self._errors: deque[tuple[float, float]] = deque()
@@ -38,16 +39,18 @@ class _Axis:
 
     def hold(self, wanted: float | None) -> None:
         if wanted != self._wanted:
-            self._wanted, self._sum = wanted, 0.0
+            self._wanted, self._sum, self.effort = wanted, 0.0, 0.0
             self._errors.clear()
+            if wanted is not None:
+                self._control(self._apart(wanted, self._value), 0.0)
 
     def report(self, t: float, value: float) -> str:
         """Takes in a report. Returns why the axis is not held any longer, "" if it is."""
-        dt = t - self._t
+        dt = t - self.heard
         if dt <= 0.0:
             return ""
         self._filter(dt, value)
-        self._t = t
+        self.heard = t
         if self._wanted is None:
             return ""
         error = self._apart(self._wanted, self._value)
@@ -96,7 +99,6 @@ class LoopCloser:
             "heading": _Axis("heading", loop.heading),
         }
         self._set: Setpoint | None = None
-        self._heard = -math.inf
         self.fault = ""  # why the set is given up
 
     def open(self, command: Setpoint | Order) -> Setpoint | Order:
@@ -113,9 +115,6 @@ class LoopCloser:
 
     def report(self, report: Telemetry) -> None:
         values = {name: getattr(report, name) for name in self._axes}
-        held = self._held()
-        if all(values[name] is not None for name in held):
-            self._heard = report.t
         for name, axis in self._axes.items():
             if values[name] is not None and (why := axis.report(report.t, values[name])):
                 self.fault = self.fault or why
@@ -125,7 +124,7 @@ class LoopCloser:
         held = self._held()
         if not isinstance(command, Setpoint) or not held:
             return command
-        if self.fault or now - self._heard > CLOSED_S:
+        if self.fault or now - min(self._axes[name].heard for name in held) > CLOSED_S:
             return Setpoint()
         efforts = {_EFFORTS[name]: self._axes[name].effort for name in held}
         heave, turn = efforts.get("heave", command.heave), efforts.get("turn", command.turn)
