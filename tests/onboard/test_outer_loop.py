@@ -146,6 +146,40 @@ def test_a_new_set_whose_axis_was_not_reported_begins_neutral() -> None:
     assert closer.closed(Setpoint(depth=2.0), 10.0) == Setpoint()
 
 
+@pytest.mark.parametrize("absurd", [-3e38, -1e4, 655.35, 3e38])
+@pytest.mark.parametrize("at", [0, 100, 199, 200, 210])
+def test_one_absurd_depth_is_left_out_before_a_set_and_in_it(absurd: float, at: int) -> None:
+    closer, begin = LoopCloser(loop()), 200
+    wanted = Setpoint(depth=3.0)
+    for i in range(begin + 100):
+        if i == begin:
+            closer.hold(wanted)
+        closer.report(Telemetry(i / 20, depth=absurd if i == at else 3.0))
+        efforts = closer.closed(wanted, i / 20)
+        if i >= begin:
+            assert isinstance(efforts, Setpoint)
+            assert efforts.heave == pytest.approx(loop().depth.trim)
+    assert closer.fault == ""
+
+
+def test_a_depth_that_stays_elsewhere_counts_from_the_third_report_on() -> None:
+    closer, heaves = LoopCloser(loop()), []
+    wanted = Setpoint(depth=30.0)
+    closer.hold(wanted)
+    for i in range(6):
+        closer.report(Telemetry(i / 20, depth=30.0 if i < 2 else 20.0))
+        efforts = closer.closed(wanted, i / 20)
+        assert isinstance(efforts, Setpoint)
+        heaves.append(efforts.heave)
+    trim, most = loop().depth.trim, loop().depth.most
+    assert heaves[:4] == pytest.approx([trim] * 4)
+    assert closer.fault, "the error has grown by 10 m"
+    closer.hold(Setpoint(depth=31.0))
+    efforts = closer.closed(Setpoint(depth=31.0), 0.25)
+    assert isinstance(efforts, Setpoint)
+    assert efforts.heave == most
+
+
 @pytest.mark.parametrize(("rate", "given_up"), [(-0.09, False), (-0.11, True), (0.1, False)])
 def test_an_error_that_grows_by_half_a_metre_in_5_s_ends_the_holding(
     rate: float, given_up: bool

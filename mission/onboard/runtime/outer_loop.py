@@ -2,6 +2,7 @@
 
     report --> filter --> error --> gain, rate, integral, trim --> effort, within its bound
 
+A depth that no vehicle can have gone to is left out; behind three in a row the filter begins anew.
 A report older than 0.5 s is neutral. Where the error has grown by 0.5 m, or 30 degrees, within 5 s
 of the same set, something is not as the vehicle file says it: neutral, and the set is refused. What
 it says follows from the recorded reports and their times alone.
@@ -22,6 +23,9 @@ GROWS_S = 5.0
 GROWN = {"depth": 0.5, "heading": math.radians(30.0)}  # m, rad
 _SMOOTH_S = 0.3  # time constant of the filter
 _GAP_S = 1.0  # a longer one begins the filter anew
+_LEAP = {"depth": 1.0, "heading": math.inf}  # m beyond what it goes at the fastest: a wrong value
+_FASTEST = 2.0  # m/s
+_LEAPS = 3  # in a row are where it is
 _EFFORTS = {"depth": "heave", "heading": "turn"}
 
 
@@ -33,6 +37,7 @@ class _Axis:
         self.name, self._gains, self._circular = name, gains, name == "heading"
         self.heard = -math.inf
         self._value = self._rate = self._sum = 0.0
+        self._leaps = 0  # in a row
         self._wanted: float | None = None
         self._errors: deque[tuple[float, float]] = deque()
         self.effort = 0.0
@@ -47,7 +52,7 @@ class _Axis:
     def report(self, t: float, value: float) -> str:
         """Takes in a report. Returns why the axis is not held any longer, "" if it is."""
         dt = t - self.heard
-        if dt <= 0.0:
+        if dt <= 0.0 or self._leapt(dt, value):
             return ""
         self._filter(dt, value)
         self.heard = t
@@ -57,9 +62,16 @@ class _Axis:
         self._control(error, min(dt, _GAP_S))
         return self._grown(t, abs(error))
 
+    def _leapt(self, dt: float, value: float) -> bool:
+        """Whether it is to be left out."""
+        off = abs(self._apart(value, self._value + self._rate * dt))
+        leaps = dt <= _GAP_S and off > _LEAP[self.name] + _FASTEST * dt
+        self._leaps = self._leaps + 1 if leaps else 0
+        return 0 < self._leaps < _LEAPS
+
     def _filter(self, dt: float, value: float) -> None:
-        if dt > _GAP_S:
-            self._value, self._rate = value, 0.0
+        if dt > _GAP_S or self._leaps:
+            self._value, self._rate, self._leaps = value, 0.0, 0
             return
         alpha = 1.0 - math.exp(-dt / _SMOOTH_S)
         ahead = self._value + self._rate * dt
