@@ -229,6 +229,34 @@ def test_a_fault_of_the_program_begins_another_drive_that_surfaces(
     assert all(replay(list(read_parts(p))).identical for p in (tmp_path / "log").iterdir())
 
 
+@pytest.mark.replaces
+def test_behind_a_fault_of_the_program_the_nodes_are_as_at_first(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(shell, "REBIRTH_S", 0.1)
+    with (
+        silent_board() as (master, device),
+        running(tmp_path, f"serial://{device}", camera="sleep 100") as pi,
+        pi.boat() as boat,
+    ):
+        assert asked(boat, b"@NSOCCCOC$") == b"@ACK_NSS$", "STM32 and AUTO closed, CAMERA open"
+        with monkeypatch.context() as patch:
+            patch.setattr(Runtime, "receive", lambda *_: 1 // 0)
+            boat.sendall(b"@NI$")
+            soon(lambda: pi.has_told("a fault of the program"), "the fault")
+        soon(lambda: len(list((tmp_path / "log").iterdir())) == 2, "another black box")
+        assert asked(boat, b"@NI$") == b"@ACK_NI\x23$"
+        boat.sendall(b"@ZAX0$")
+        heard = bytearray()
+
+        def stopped() -> bool:
+            heard.extend(read_now(master))
+            return b"@ZAX0$" in heard
+
+        soon(stopped, "the operator's X")
+        assert asked(boat, b"@NSOOCCOO$") == b"@ACK_NSS$", "the camera can be opened again"
+
+
 def test_what_was_recorded_before_a_stop_is_in_the_file_however_slow_the_disk(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

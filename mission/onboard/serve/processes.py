@@ -49,6 +49,12 @@ class Processes:
             return b""
         return request + b"\n"
 
+    async def begin_again(self) -> None:
+        """As a new process has it, for a new runtime: every port open, no camera."""
+        for port in self._ports.values():
+            port.switch(True)
+        await self._switch_camera(False)
+
     async def end(self) -> None:
         await self._switch_camera(False)
 

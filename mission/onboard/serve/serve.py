@@ -10,7 +10,7 @@ time begins with the runtime, ``speed`` times as fast as real time (a demonstrat
 The filter is imported in a thread once the ports are there; until then @AA is refused.
 
 A fault of the program ends the runtime, not the vehicle: it is told, and another begins as
-after a restart (what was under way surfaces), on the same ports, with a black box of its own.
+after a restart (what was under way surfaces, nodes are as at first), with a black box of its own.
 """
 
 from __future__ import annotations
@@ -85,10 +85,8 @@ class Server:
         self._tell, self._ready, self._speed = self._journal.warning, ready, speed
         self._observer = Several(self._journal, *([observer] if observer else []))
         self._limiter, self._began = RateLimiter(time.monotonic()), time.monotonic()
-        self._recording, self.validation = (
-            Recording(self._tell, close_parts),
-            ValidationQueue(self._hear, self._spawn),
-        )
+        self._recording = Recording(self._tell, close_parts)
+        self.validation = ValidationQueue(self._hear, self._spawn)
         self._alarms = AlarmWatch(
             self._journal,
             lambda names: self._do(lambda r: r.take_alarms(names, self.now())),
@@ -212,6 +210,7 @@ class Server:
         self._spawn(self._begin_again())
 
     async def _begin_again(self) -> None:
+        self._spawn(self._processes.begin_again())
         await asyncio.sleep(REBIRTH_S)
         await self._recording.shut()
         if not self._leaving.over:
