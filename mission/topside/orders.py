@@ -7,8 +7,8 @@
 
 An acknowledgement proves nothing, and behind a board that acknowledges nothing it says only that
 the order was sent (R16, R17). A report is from after the order when its time is another one than
-that of the first one that was asked for. The robot of document 004 tells the boat neither thrusters
-nor depth: nothing confirms its stop.
+that of the first one that was told. The robot of document 004 tells the boat neither thrusters nor
+depth: nothing confirms its stop.
 
     Contradicted   (the reports show the opposite; the vehicle's program goes on sending it)
     Unconfirmed    (it was sent; nothing that was reported shows that it is obeyed)
@@ -82,10 +82,13 @@ def _look(which: Order, looks: int) -> Generator[Ask, Answer | None, Seen]:
     for _ in range(looks):
         yield Ask("wait", StoreQuery(), lambda _: False, tries=1, by_clock=True)
         told = yield from _report()
-        if told is None or (first is not None and told.time == first.time):
+        if told is None:
+            continue
+        first = first or told
+        if told.time == first.time:
             continue
         fresh.append(told)
-        seen = judge(fresh if first is None else [first, *fresh])
+        seen = judge([first, *fresh])
         if seen.shown:
             break
     return seen

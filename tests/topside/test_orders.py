@@ -40,8 +40,9 @@ def seen(second: int, depth: float | None = None, actuators: tuple[float, ...] =
     return Status(f"2025-01-01T00:00:{second:02}", None, report)
 
 
-def ordered(which: Order, told: list[Status], store: StoreReport = STORE) -> str:
-    """What is said in the end, where the reports are these; the last of them stays."""
+def ordered(which: Order, told: list[Status | None], store: StoreReport = STORE) -> str:
+    """What is said in the end, where the reports are these, None where no answer comes; the last
+    of them stays."""
     reports = iter(told)
     last = told[0]
     talk = order(which)
@@ -67,6 +68,14 @@ def test_a_stop_is_confirmed_by_a_later_report_with_every_thruster_off() -> None
 def test_a_report_from_before_the_stop_confirms_nothing() -> None:
     with pytest.raises(Unconfirmed, match="no report of the vehicle has come since"):
         ordered(Order.STOP, [seen(0, 3.0, OFF)])
+
+
+@pytest.mark.parametrize("which", list(Order))
+def test_where_the_first_question_has_no_answer_one_report_confirms_nothing(which: Order) -> None:
+    before = seen(0, 0.3, OFF)
+    with pytest.raises(Unconfirmed, match="no report of the vehicle has come since"):
+        ordered(which, [None, None, before])
+    assert ordered(which, [None, before, before, seen(2, 0.3, OFF)]).startswith(WORDS[which])
 
 
 def test_a_stop_that_the_reports_contradict_is_none() -> None:
