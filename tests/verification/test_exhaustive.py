@@ -404,6 +404,7 @@ def _unknown_is_shallow(patch: pytest.MonkeyPatch) -> None:
             if self.vehicle_state.depth is None:
                 inner.setattr(core, "SURFACE_DEPTH", 1e9)
                 inner.setattr(vehicle_state.VehicleState, "depth", 0.0)
+                inner.setattr(vehicle_state.VehicleState, "lives", True)
             forgotten(self)
 
     patch.setattr(core.Core, "stick_forgotten", bold)
@@ -457,7 +458,7 @@ def _one_report_is_enough(patch: pytest.MonkeyPatch) -> None:
 
 
 def _what_stands_is_proof(patch: pytest.MonkeyPatch) -> None:
-    patch.setattr(vehicle_state.VehicleState, "_lives", property(lambda self: True))
+    patch.setattr(vehicle_state.VehicleState, "lives", property(lambda self: True))
     patch.setattr("mission.verification.exhaustive.world._BEGUN", {})
 
 

@@ -144,6 +144,7 @@ class _Auditor:
         self._sent_at: deque[float] = deque(maxlen=2)  # the newest frames to the vehicle
         self._stalled: float | None = None
         self._ends = False  # the program was told to
+        self._holds = False  # in surfaced, which an ascent has ended without a stop
 
     def walk(self, events: Sequence[Event]) -> Iterator[Spurious]:
         for event in events:
@@ -232,6 +233,8 @@ class _Auditor:
         except (TypeError, ValueError):
             yield Spurious(step.t, f"a step that says what is no command: {step.actions}")
             return
+        if moved:
+            self._holds = self._state == SURFACED and Order.STOP not in commands
         yield from self._unjustified(step, before, moved, commands)
         for command in commands:
             self._permit(command, step.t)
@@ -280,6 +283,8 @@ class _Auditor:
             return True
         if state == SURFACING:
             return isinstance(command, Order) or command in (UPWARD, DOWNWARD)
+        if state == SURFACED and self._holds and command in (UPWARD, Order.SURFACE):
+            return True  # said again: what sank when it was let go
         return (state != MANUAL_DRIVING or self._ends) and command is Order.STOP
 
     def _permit(self, command: Setpoint | Order, t: float) -> None:

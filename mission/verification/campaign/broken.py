@@ -130,7 +130,7 @@ _RULES: Mapping[str, Broken] = {
     ),
     "unchanged depth": Broken(
         "R7: behind a restart, and in an ascent, it has to change",
-        always(VehicleState, "_lives", True),
+        always(VehicleState, "lives", True),
         alike=same,
     ),
     "surface behind a restart": Broken(

@@ -16,7 +16,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise
 
-from mission.engine.restart import UNANSWERED
+from mission.engine.restart import UNANSWERED, UNSEEN
 from mission.legs import LEGS
 from mission.model import (
     IDLE_EMPTY,
@@ -254,7 +254,7 @@ def _under_way(cell: Cell) -> Verdict:
     )
     return wrong(
         (latched and not kept, f"nothing is kept in {cell.state}"),
-        (region == "idle" and kept not in ("", UNANSWERED), f"{kept} is kept in idle"),
+        (region == "idle" and kept not in ("", UNANSWERED, UNSEEN), f"{kept} is kept in idle"),
     )
 
 
