@@ -5,7 +5,7 @@
 
 Timeouts follow from the greatest slant range and the bit rate that the URL states, and from the
 lengths of what is said (R1, protocol.arq). ``Submerged`` holds the same scripts as
-``upload.Conversation``, two tries each (of an @AC one); ``BatchTalk`` uploads in batches
+``upload.Conversation``, two tries each at most; ``BatchTalk`` uploads in batches
 (protocol.batch).
 
 What does not live here: the scripts (upload), sockets and clocks (console), the vehicle's side.
@@ -23,7 +23,6 @@ from protocol.arq import TRIES, Acoustics, Answered, Initiator
 from protocol.arq import NoAnswer as Unanswered
 from protocol.batch import BatchUpload, Declined, Silent, Stored
 from protocol.messages import (
-    ClearMission,
     DataQuery,
     Emergency,
     FrameFault,
@@ -120,10 +119,7 @@ class Submerged(Scripted):
 
 
 def _tries(ask: Ask) -> int:
-    """An @AC is told once: tries are so far apart that a second would be a second wish (R7)."""
-    if isinstance(ask.command, Emergency):
-        return ask.tries
-    return 1 if isinstance(ask.command, ClearMission) else min(TRIES, ask.tries)
+    return ask.tries if isinstance(ask.command, Emergency) else min(TRIES, ask.tries)
 
 
 class BatchTalk:

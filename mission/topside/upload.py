@@ -1,7 +1,8 @@
 """What an operator's program says to a Pi: upload, start, clear, status. Sans-IO.
 
 A conversation is a script (a generator) that yields one ``Ask`` at a time and gets its answer;
-``Conversation`` sends it, tries again (R1: 1 s, 3 tries), and drops whatever nobody waits for.
+``Conversation`` sends it, tries again (R1: 1 s, 3 tries; an @AC never: a second, seconds later,
+would be a second wish), and drops whatever nobody waits for.
 
     upload:  @AQ  there already? --> line 1 --> @AQ: which are missing? --> those, one by one
              --> @AQ: none missing, and the digest is ours
@@ -68,6 +69,7 @@ class Ask:
     fits: Callable[[Answer], bool]
     tries: int = TRIES
     by_clock: bool = False  # again, or over, each ANSWER_S, however long the way
+    waits: int = 1  # how often the time of a try, by radio
 
 
 Script = Generator[Ask, Answer | None, str]
@@ -140,7 +142,7 @@ class Conversation(Scripted):
     def _send(self, now: float) -> list[bytes]:
         assert self._ask is not None
         wait = ANSWER_S if self._ask.by_clock else self._patience()
-        self._tries, self._due = self._tries + 1, now + wait
+        self._tries, self._due = self._tries + 1, now + wait * self._ask.waits
         return [encode(self._ask.command)]
 
 
@@ -251,7 +253,7 @@ def start_telling(patience: int, took: Callable[[str], None]) -> Script:
 
 
 def clear() -> Script:
-    answer = yield Ask("clear", ClearMission(), is_ack("A", "C"))
+    answer = yield Ask("clear", ClearMission(), is_ack("A", "C"), tries=1, waits=TRIES)
     if answer is None:
         raise NoAnswer("no answer to @AC: whether the mission is cleared is not known; see status")
     if isinstance(answer, Ack) and not answer.ok:

@@ -209,6 +209,17 @@ def test_clear_empties_the_store() -> None:
     assert wire.store.content.lines == ()
 
 
+@pytest.mark.parametrize("patience", [1.0, 11.0])
+def test_a_clear_is_said_once_and_waited_for_as_long_as_three_tries(patience: float) -> None:
+    """Said again it would be the operator's second wish (R7)."""
+    talk = Conversation(clear(), lambda: patience)
+    assert talk.begin(0.0) == [b"@AC$"]
+    assert talk.handle_timer(3 * patience - 0.1) == []
+    assert not talk.over
+    assert talk.handle_timer(3 * patience) == []
+    assert isinstance(talk.failure, NoAnswer)
+
+
 @pytest.mark.parametrize(("which", "frame"), [(Order.STOP, b"@ZAX0$"), (Order.SURFACE, b"@ZAWF$")])
 def test_an_order_without_the_vehicles_answer_is_never_called_done(
     which: Order, frame: bytes
