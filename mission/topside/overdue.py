@@ -1,4 +1,5 @@
-"""Overdue: a vehicle that should be up by proof, of which nothing was heard, and where it may be.
+"""Overdue: a vehicle that should be up by proof, of which nothing was heard since, or nothing any
+more though it was not up, and where it may be.
 
     Plan (proved worst time, range, current assumed) + start + last contact --now--> words
 
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
     from mission.authoring.check import Proved
     from mission.authoring.prepare import Prepared
 
+AGAIN_S = 600.0  # of silence, of one that was heard behind its time and was not up
 UNSURE_M = 30.0  # 95 % of a fix whose accuracy nobody tells
 SWIMS = (AUTONOMOUS, "manual")
 OVER = ("idle", "emergency/surfaced")  # it is up, and was heard
@@ -159,10 +161,10 @@ def silent_for(dive: Dive, now: float) -> float:
 
 def overdue(dive: Dive, now: float) -> str:
     """In words, "" while it is not, or where nobody knows."""
-    due = dive.due
-    if due is None or now <= due or (dive.contact is not None and dive.contact.wall > due):
+    due, silent = dive.due, silent_for(dive, now)
+    if due is None or now <= due or silent < min(now - due, AGAIN_S):
         return ""
-    since = f"it was to be up {ago(now - due)} at the latest, heard {ago(silent_for(dive, now))}"
+    since = f"it was to be up {ago(now - due)} at the latest, heard {ago(silent)}"
     area = search_area(dive, now)
     return f"{since}; search {area}" if area else f"{since}; nobody knows where"
 

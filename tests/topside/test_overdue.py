@@ -29,6 +29,7 @@ from mission.topside.overdue import (
     Dive,
     Plan,
     contact_with,
+    heard,
     moment,
     overdue,
     plan_of,
@@ -71,6 +72,15 @@ def test_it_is_overdue_when_the_proved_time_has_passed_without_a_contact() -> No
 )
 def test_it_is_not_overdue_where_nothing_is_due_or_it_was_heard_since(dive: Dive) -> None:
     assert overdue(dive, 1660.0) == ""
+
+
+@pytest.mark.parametrize("state", ["autonomous", "emergency/surfacing", "emergency/stopped"])
+def test_one_that_was_heard_behind_its_time_and_was_not_up_is_overdue_again(state: str) -> None:
+    dive = replace(DIVE, contact=replace(UNDER_WAY, wall=1650.0, state=state))
+    assert overdue(dive, 1650.0 + 599.0) == ""
+    assert "to be up 11 min ago at the latest, heard 10 min ago" in overdue(dive, 1650.0 + 601.0)
+    up = heard(dive, replace(UNDER_WAY, wall=1700.0, state="emergency/surfaced"))
+    assert overdue(up, 9999.0) == ""
 
 
 def test_one_that_was_under_way_is_searched_around_home_and_farther_with_the_sea() -> None:
