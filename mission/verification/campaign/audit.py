@@ -60,6 +60,7 @@ _STOPS = (
 TRIES = 3  # R1
 ANSWER = 0.3  # s after which a frame is answered no more (R1)
 STALE = 1.5  # s after which no try of an older set may be left
+UNHEARD, MOST = 2.0, 32  # s from one relay to the next without an answer (R7); that may wait
 RELAYED = 10.0  # s: 32 relays of 60 ms, behind 0.9 s of tries, and a modem's idle time
 HEARD = 2.0  # s from bytes to the Step they lead to: an unfinished frame before them (G3), modem
 STICK = 2.0  # s (R6)
@@ -128,12 +129,15 @@ def moves_asked(events: Sequence[Event]) -> list[Spurious]:
     return list(_MoveAuditor("documented").walk(events))
 
 
+_Said = tuple[float, Peer, int]  # when, by whom, and how many said before it waited then
+
+
 class _Auditor:
     def __init__(self, dialect: str) -> None:
         self._encode = AuvCodec(dialect).encode
         self._state = ""
         self._permits: list[_Permit] = []
-        self._relays: dict[bytes, deque[tuple[float, Peer]]] = {}  # what was said, oldest first
+        self._relays: dict[bytes, deque[_Said]] = {}  # what was said, oldest first
         self._sticks: dict[Peer, float] = {}  # the last M of each
         self._holder: Peer | None = None  # whose M the vehicle follows
         self._tails: dict[Peer, bytes] = {}
@@ -143,6 +147,7 @@ class _Auditor:
         self._acks = 0  # of a stop, since the newest reason to stop
         self._sent_at: deque[float] = deque(maxlen=2)  # the newest frames to the vehicle
         self._stalled: float | None = None
+        self._heard_at = -math.inf  # the vehicle
         self._ends = False  # the program was told to
         self._holds = False  # in surfaced, which an ascent has ended without a stop
 
@@ -152,6 +157,7 @@ class _Auditor:
                 case Said():
                     self._said(event)
                 case Heard():
+                    self._heard_at = event.t
                     if not self._may_be_of_two(event.t):
                         self._acks += len(_STOPPED_ACK.findall(event.data))
                     if _turns(event.data):
@@ -186,7 +192,7 @@ class _Auditor:
         for permit in self._permits:
             permit.ends += late
         for frame, said in self._relays.items():
-            self._relays[frame] = deque((t + late, peer) for t, peer in said)
+            self._relays[frame] = deque((t + late, peer, ahead) for t, peer, ahead in said)
         for pattern in (_X, _W, _AA):
             if pattern in self._last:
                 self._last[pattern] += late
@@ -199,7 +205,8 @@ class _Auditor:
         fresh = len(stream) - len(said.data)
         for found in _RELAYED.finditer(stream):
             if found.end() > fresh:
-                self._relays.setdefault(found[0], deque()).append((said.t, peer))
+                ahead = sum(map(len, self._relays.values()))
+                self._relays.setdefault(found[0], deque()).append((said.t, peer, ahead))
                 if said.link != MODEM and found[0].startswith(b"@M") and moves(found[0]):
                     self._sticks[peer] = said.t
         for pattern in (_X, _W, _AA):
@@ -267,7 +274,8 @@ class _Auditor:
             return "without an X"
         if state == MANUAL_DRIVING and not self._is_held(t, HEARD):
             return "without an M"
-        if state == MANUAL_WAITING and self._is_held(t, STICK - _SAME):
+        held = self._is_held(t, STICK - _SAME) and not self._ends  # then it may have been refused
+        if state == MANUAL_WAITING and held:
             return "with an M less than 2 s ago"
         if state == SURFACING:
             limit = any(e.trigger.startswith("limit ") and e.result for e in step.evaluations)
@@ -329,12 +337,14 @@ class _Auditor:
 
     def _relayed(self, tx: Tx) -> Iterator[Spurious]:
         said = self._relays.get(tx.data, deque())
-        while said and tx.t - said[0][0] > RELAYED:
+        silent = tx.t - self._heard_at > UNHEARD  # R7: where no answer comes one leaves every 2 s
+        pace = UNHEARD if silent else 0.0
+        while said and tx.t - said[0][0] > RELAYED + pace * min(said[0][2], MOST):
             said.popleft()
         if not said:
             yield Spurious(tx.t, f"{tx.data!r} in {self._state}: no operator said it ({tx.reason})")
             return
-        _, peer = said[-1]
+        _, peer, _ = said[-1]
         said.popleft()
         if not tx.data.startswith(b"@M"):
             return

@@ -255,6 +255,10 @@ class Story:
     def hindered(self, begin: float, end: float) -> bool:
         return any(b <= end and e >= begin for b, e in self._hindered)
 
+    def auto_opens(self, t: float) -> float:
+        """When node AUTO is open, from then on."""
+        return next((e + _KNOWN for b, e in self._closed if b <= t <= e + _KNOWN), t)
+
     def auto_closed(self, begin: float, end: float) -> bool:
         return any(b <= end and e + _KNOWN >= begin for b, e in self._closed)
 

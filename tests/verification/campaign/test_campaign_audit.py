@@ -139,6 +139,29 @@ def test_a_relay_is_what_an_operator_said_once() -> None:
     assert spurious(*cut) == 0
 
 
+def test_relays_to_a_board_that_says_nothing_leave_2_s_apart() -> None:
+    """As flight 230 of seed 5212: several that wait are late by as much."""
+    words = [b"@DA%d,1$" % servo for servo in range(1, 5)]
+    asked = [said(3.0, word) for word in words]
+    late = [sent(13.0 + 2.0 * i, word) for i, word in enumerate(words)]
+    assert spurious(*asked, *late) == 0
+    answers = [Heard(12.9 + 2.0 * i, b"@ACK_DY$") for i in range(4)]
+    told = [event for pair in zip(answers, late, strict=True) for event in pair]
+    assert spurious(*asked, *told) == 3
+    assert spurious(asked[0], sent(16.0, words[0])) == 1
+
+
+@pytest.mark.parametrize("ends", [True, False])
+def test_an_m_that_is_refused_as_the_program_ends_holds_nothing(ends: bool) -> None:
+    """As flight 2909 of seed 5111."""
+    end = (Done(3.5, Act.END),) if ends else ()
+    driving = step(3.0, entered=MANUAL_DRIVING, trigger="stick")
+    waits = step(5.0, "everything stopped: no M for 2 s", entered=MANUAL_WAITING, trigger="silent")
+    m = b"@MMF5$"
+    events = (said(3.0, m), driving, *end, said(4.0, m), waits)
+    assert spurious(*events) == (0 if ends else 1)
+
+
 def test_the_stick_holds_back_every_z() -> None:
     events = (*STARTED, said(3.0, b"@MMF5$"), step(3.0, entered=MANUAL_DRIVING, trigger="stick"))
     assert spurious(*events, sent(3.0, b"@MMF5$"), sent(3.2, b"@ZAS4$")) == 2

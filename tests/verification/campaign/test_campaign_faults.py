@@ -73,6 +73,12 @@ def test_no_disturbed_flight_loses_overruns_or_sends_unasked(ten: int) -> None:
         assert not result.violations, result
 
 
+def test_a_forgotten_stick_waits_for_a_node_that_is_closed() -> None:
+    """As flight 9557 of seed 5111: an operator closed AUTO under the stick."""
+    result = fly_numbered(5111, 9557, KNOWN)
+    assert not result.violations, result
+
+
 @pytest.mark.proof
 @pytest.mark.parametrize("name", INCIDENTS)
 def test_an_incident_alone_breaks_no_law(name: str) -> None:
