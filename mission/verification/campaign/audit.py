@@ -240,8 +240,7 @@ class _Auditor:
         except (TypeError, ValueError):
             yield Spurious(step.t, f"a step that says what is no command: {step.actions}")
             return
-        if moved:
-            self._holds = self._state == SURFACED and Order.STOP not in commands
+        self._holds = Order.STOP not in commands if moved else self._holds
         yield from self._unjustified(step, before, moved, commands)
         for command in commands:
             self._permit(command, step.t)
@@ -274,7 +273,7 @@ class _Auditor:
             return "without an X"
         if state == MANUAL_DRIVING and not self._is_held(t, HEARD):
             return "without an M"
-        held = self._is_held(t, STICK - _SAME) and not self._ends  # then it may have been refused
+        held = not self._ends and self._is_held(t, STICK - _SAME)  # ending, it may be refused
         if state == MANUAL_WAITING and held:
             return "with an M less than 2 s ago"
         if state == SURFACING:
@@ -291,8 +290,8 @@ class _Auditor:
             return True
         if state == SURFACING:
             return isinstance(command, Order) or command in (UPWARD, DOWNWARD)
-        if state == SURFACED and self._holds and command in (UPWARD, Order.SURFACE):
-            return True  # said again: what sank when it was let go
+        if state == SURFACED and self._holds and command == UPWARD:
+            return True
         return (state != MANUAL_DRIVING or self._ends) and command is Order.STOP
 
     def _permit(self, command: Setpoint | Order, t: float) -> None:
@@ -337,8 +336,7 @@ class _Auditor:
 
     def _relayed(self, tx: Tx) -> Iterator[Spurious]:
         said = self._relays.get(tx.data, deque())
-        silent = tx.t - self._heard_at > UNHEARD  # R7: where no answer comes one leaves every 2 s
-        pace = UNHEARD if silent else 0.0
+        pace = UNHEARD if tx.t - self._heard_at > UNHEARD else 0.0
         while said and tx.t - said[0][0] > RELAYED + pace * min(said[0][2], MOST):
             said.popleft()
         if not said:
