@@ -273,8 +273,7 @@ class _Auditor:
             return "without an X"
         if state == MANUAL_DRIVING and not self._is_held(t, HEARD):
             return "without an M"
-        held = not self._ends and self._is_held(t, STICK - _SAME)  # ending, it may be refused
-        if state == MANUAL_WAITING and held:
+        if state == MANUAL_WAITING and not self._ends and self._is_held(t, STICK - _SAME):
             return "with an M less than 2 s ago"
         if state == SURFACING:
             limit = any(e.trigger.startswith("limit ") and e.result for e in step.evaluations)
