@@ -170,7 +170,7 @@ def test_serve_that_is_ended_and_begun_again_on_deck_turns_no_thruster(
             with running(tmp_path, vehicle, store=store, speed=60.0, leave_within=PATIENCE):
                 time.sleep(0.5)
             heard = read_now(master)
-        assert heard.replace(b"@ZAX0$", b"") == b""
+        assert heard == (b"@ZAX0$" * len(heard))[: len(heard)], "and the last may be cut"
         assert bool(heard) == bool(during)
         assert store.content.under_way == during
 

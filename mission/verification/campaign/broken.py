@@ -13,8 +13,8 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 
 from mission.engine import (
-    core,
     engine,
+    flying,
     limits,
     orders,
     restart,
@@ -245,7 +245,9 @@ _RULES: Mapping[str, Broken] = {
         instead(Clearance, "_within", lambda _self, held, _bottom: held.depth),
         alike=same,
     ),
-    "areas": Broken("R5: the mission's areas", instead(core, "fences", lambda *_: ()), alike=same),
+    "areas": Broken(
+        "R5: the mission's areas", instead(flying, "fences", lambda *_: ()), alike=same
+    ),
     "pace of a board": Broken(
         "R16, R17: what holds is said again",
         breaks.half_the_pace,
