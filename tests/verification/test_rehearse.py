@@ -297,7 +297,7 @@ def test_the_chance_of_completion_has_an_interval_that_is_never_sure(hits: int, 
 def test_thrust_is_a_share_of_what_the_vehicle_has_and_speed_its_root(name: str, leg: str) -> None:
     mission = parse(
         f"mission m vehicle {name}\nstart without fix\nsafety time 10min radius 300 depth 10\n"
-        f"assume current 0 start 0\na: {leg} for 20\n"
+        f"assume current 0 start 0\na: {leg} for 60\n"
     )
 
     def way(*said: str) -> float:

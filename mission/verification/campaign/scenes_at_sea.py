@@ -103,8 +103,8 @@ def _capsized_blind(rng: Random) -> Scene:
 
 
 def _sinks_unseen(rng: Random) -> Scene:
-    """Onto the ground, while no depth is known; then one is."""
-    t = rng.uniform(90.0, 110.0)
+    """Onto the ground, while no depth is known and over a minute behind being let go; then one is."""
+    t = rng.uniform(170.0, 190.0)
     faults = (
         fault("heavy", t, FOREVER, round(rng.uniform(25.0, 40.0), 1)),
         fault("depth_full_scale", t - 4.0, rng.uniform(150.0, 200.0)),
