@@ -103,7 +103,7 @@ def _capsized_blind(rng: Random) -> Scene:
 
 
 def _sinks_unseen(rng: Random) -> Scene:
-    """Onto the ground, while no depth is known and over a minute behind being let go; then one is."""
+    """Onto the ground over a minute behind being let go, while no depth is known; then one is."""
     t = rng.uniform(170.0, 190.0)
     faults = (
         fault("heavy", t, FOREVER, round(rng.uniform(25.0, 40.0), 1)),
