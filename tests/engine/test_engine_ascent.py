@@ -843,7 +843,7 @@ def test_a_fix_of_minutes_ago_ends_no_mission_under_water(sinks: float, over: bo
     assert world.start()
     world.wait(8.0)
     world.tell(world.fix(3.0))
-    for _ in range(130):
+    while world.t < 400.0 and world.state != IDLE_READY:
         world.depth += 2.0 * sinks
         world.wait(2.0)
     assert (world.state == IDLE_READY) is over
@@ -866,7 +866,7 @@ def test_what_is_lifted_is_up_by_what_proves_it_behind_the_lift():
     for _ in range(6):
         world.depth += 0.4
         world.wait(2.0)
-    assert world.state == SURFACING
+        assert world.state == SURFACING
 
 
 def test_an_operators_w_goes_on_with_the_ascent_of_a_leg():
