@@ -58,8 +58,7 @@ class Core(Flying):
         self.chart, why = None, "cleared by the operator"
         if self.active != IDLE_EMPTY:
             self._move("clear", IDLE_EMPTY, why, self._stop(why) if self.hold else (), By.OPERATOR)
-        if self.hold is not None:
-            self.let_go_at, self.hold = self.now, None
+        self._let_go()
         self.machine = Machine()
         self.emergency_since_idle = self._sank = False
         self.renew_bounds()
@@ -104,8 +103,7 @@ class Core(Flying):
         leg's set, an ascent's way, or what holds it up: another board may have acknowledged it, or
         nobody heard it. Words of the stick are sent all the time anyway."""
         self.outputs.doubt()
-        run = self.flying
-        ascent = run.ascent if run is not None and self.leg_climbs else self.ascent
+        ascent = self.leg_ascent or self.ascent
         if ascent is not None:
             ascent.doubt()
             self._record((Action(ascent.way, f"{ascent.why}: the line to the vehicle was away"),))
@@ -118,8 +116,7 @@ class Core(Flying):
 
     def stop_in(self, name: str, state: str, why: str, by: By = By.LIMIT) -> None:
         """emergency/stopped or surfaced; ``name`` as for ``surface``."""
-        if self.hold is not None:
-            self.let_go_at = self.now
+        self._let_go()
         self._to_emergency()
         self.doubted_at, self.rested, self._sank = -math.inf, "", False
         self.vehicle_state.rising_since = None
@@ -132,12 +129,10 @@ class Core(Flying):
         that is under way, or that a leg has begun, goes on: to begin it anew would undo what it has
         found out. An operator's W leaves as it is, and behind it the way in use. Where that is not
         W it does so once a turn: said again and again it would keep that way from the board."""
-        run, vehicle_state = self.run, self.vehicle_state
+        vehicle_state = self.vehicle_state
         sinking = name == "limit" and self.rests
         self._sank = self._sank or (sinking and self.active == SURFACED)
-        begun = self.ascent if self.active == SURFACING else None
-        if run is not None and self.leg_climbs:
-            begun = run.ascent
+        begun = self.ascent if self.active == SURFACING else self.leg_ascent
         self._to_emergency()
         self.stop_at = self.stopped_at = None
         self.rested = ""  # what ended in between was another rest
@@ -197,6 +192,11 @@ class Core(Flying):
             self._move("surfaced", SURFACED, why, words, None)
             self.ascent = None
 
+    def _let_go(self) -> None:
+        """Of what was held up at the surface."""
+        if self.hold is not None:
+            self.let_go_at, self.hold = self.now, None
+
     def hold_up(self, why: str) -> None:
         """Says again what holds it up at the surface, unless nothing may turn by itself."""
         if self.hold is not None and self.auto:
@@ -205,7 +205,7 @@ class Core(Flying):
 
     def excuse_descent(self) -> None:
         """An ascent answers a descent, and the stick asks for it; to be called before a report."""
-        if self.leg_climbs or self.active in (SURFACING, MANUAL_DRIVING):
+        if self.leg_ascent or self.active in (SURFACING, MANUAL_DRIVING):
             self.watch.excused = True
 
     def mind_rest(self) -> None:

@@ -21,6 +21,7 @@ from __future__ import annotations
 from mission.engine.core import Core
 from mission.engine.rest import DEEP
 from mission.engine.vehicle_state import SURFACE_DEPTH, SURFACE_TIME
+from mission.engine.watch import leads_down
 from mission.model import (
     AUTONOMOUS,
     MANUAL_DRIVING,
@@ -32,7 +33,7 @@ from mission.model import (
     Ending,
 )
 from mission.model.regions import IDLE, MANUAL
-from protocol.messages import UPWARD, Setpoint
+from protocol.messages import UPWARD
 
 WHY = "the program is ended"
 STAYS_UP = 30.0  # s; 0.3 N too heavy, it is 1 m deep after 25 s
@@ -123,11 +124,4 @@ def _at_surface(core: Core) -> bool:
     state = core.vehicle_state
     if not (state.depth is None or state.depth < SURFACE_DEPTH):
         return False
-    return not _leads_down(state.command) and state.surfaced(core.now - SURFACE_TIME)
-
-
-def _leads_down(asked: Setpoint | None) -> bool:
-    if asked is None:
-        return False
-    below = asked.depth is not None and asked.depth > SURFACE_DEPTH
-    return below or asked.altitude is not None or (asked.heave is not None and asked.heave > 0.0)
+    return not leads_down(state.command) and state.surfaced(core.now - SURFACE_TIME)

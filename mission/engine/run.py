@@ -256,9 +256,9 @@ class Run:
 
     def _surfaced(self, vehicle_state: VehicleState) -> bool:
         """Proved by this ascent, and seen to be so still."""
-        lately = vehicle_state.now - SURFACE_TIME
-        began = None if self.ascent is None else self.ascent.began
-        return began is not None and vehicle_state.surfaced(max(began, lately))
+        if self.ascent is None:
+            return False
+        return vehicle_state.surfaced(max(self.ascent.began, vehicle_state.now - SURFACE_TIME))
 
     def _values_of(self, edge: Edge, vehicle_state: VehicleState) -> tuple[tuple[str, Value], ...]:
         elapsed: tuple[str, Value] = ("elapsed", round(vehicle_state.now - self.entered, 6))

@@ -101,10 +101,10 @@ class EngineState:
         return self.run if self.machine.region == AUTONOMOUS else None
 
     @property
-    def leg_climbs(self) -> bool:
-        """Whether the active leg ascends, and has not reached the surface."""
+    def leg_ascent(self) -> Ascent | None:
+        """That of the active leg, until it has reached the surface."""
         run = self.flying
-        return run is not None and run.climbing
+        return run.ascent if run is not None and run.climbing else None
 
     # --- records -------------------------------------------------------------------------------
 

@@ -192,7 +192,7 @@ class Watch:
         self.lost = 0
         self.blind_since: float | None = None
         self._led_down = -math.inf  # by the last set without a depth to believe: when
-        self._dark_since: float | None = None  # without one
+        self._dark_since = math.inf  # without one
         self.excused = False  # a descent, by an ascent that answers it or by the stick that asks it
         self.repeated = False  # after a brown-out the set was sent again
         self.descent, self.steering, self.progress = Descent(), Steering(), Progress()
@@ -204,7 +204,7 @@ class Watch:
     def begin(self, now: float) -> None:
         """A mission starts, or goes on: ages and counts begin anew."""
         self.heard, self.lost, self.blind_since = now, 0, None
-        self._led_down, self._dark_since = -math.inf, None
+        self._led_down, self._dark_since = -math.inf, math.inf
         self.topside_heard = now
         self.repeated = False
         self.descent, self.steering, self.progress = Descent(), Steering(), Progress()
@@ -230,11 +230,10 @@ class Watch:
         """Note since when the vehicle is, or may be, submerged without a depth to believe."""
         vehicle_state = self.vehicle_state
         if vehicle_state.depth is not None:
-            self.blind_since, self._led_down, self._dark_since = None, -math.inf, None
+            self.blind_since, self._led_down, self._dark_since = None, -math.inf, math.inf
             return
-        if self._dark_since is None:
-            self._dark_since = vehicle_state.now
-        if self.sent is not None and _leads_down(self.sent):
+        self._dark_since = min(self._dark_since, vehicle_state.now)
+        if leads_down(self.sent) or _nose_first(self.sent):
             self._led_down = vehicle_state.now
         if not (vehicle_state.submerged or self._may_be_under()):
             self.blind_since = None
@@ -246,10 +245,10 @@ class Watch:
         fix has proved the surface behind it (a leg that holds a depth has an end of its own, but
         others may follow it), or fixes came in this mission and have ended."""
         sent, now = self.sent, self.vehicle_state.now
-        if self._led_down > -math.inf and not self.vehicle_state.fixed(self._led_down):
-            dark = now - (now if self._dark_since is None else self._dark_since)
-            if sent is None or sent.depth is None or dark >= _OWN_END:
-                return True
+        led = self._led_down > -math.inf and not self.vehicle_state.fixed(self._led_down)
+        own_end = sent is not None and sent.depth is not None
+        if led and (not own_end or now - self._dark_since >= _OWN_END):
+            return True
         news_at = self.vehicle_state.receiver.news_at
         return self.started is not None and self.started < news_at < now - RECENT
 
@@ -314,9 +313,13 @@ class Watch:
         return loop is None or not loop.confirmed or self.closing.acts(t, sent)
 
 
-def _leads_down(sent: Setpoint) -> bool:
-    """It takes a vehicle under water that is not there."""
-    if sent.depth is not None:
-        return sent.depth >= SURFACE_DEPTH
-    nose_first = (sent.pitch or 0.0) * sent.surge < 0.0
-    return sent.altitude is not None or (sent.heave or 0.0) > 0.0 or nose_first
+def leads_down(sent: Setpoint | None) -> bool:
+    """A vehicle that is at the surface, to below it."""
+    if sent is None:
+        return False
+    below = sent.depth is not None and sent.depth > SURFACE_DEPTH
+    return below or sent.altitude is not None or (sent.heave or 0.0) > 0.0
+
+
+def _nose_first(sent: Setpoint | None) -> bool:
+    return sent is not None and (sent.pitch or 0.0) * sent.surge < 0.0

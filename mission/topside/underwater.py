@@ -18,18 +18,11 @@ from dataclasses import dataclass
 from urllib.parse import parse_qsl, urlencode
 
 from links import at_rate
-from mission.topside.upload import Ask, NoAnswer, OperatorError, Refused, Script, Scripted
+from mission.topside.upload import NoAnswer, OperatorError, Refused, Script, Scripted
 from protocol.arq import TRIES, Acoustics, Answered, Initiator
 from protocol.arq import NoAnswer as Unanswered
 from protocol.batch import BatchUpload, Declined, Silent, Stored
-from protocol.messages import (
-    DataQuery,
-    Emergency,
-    FrameFault,
-    Relay,
-    StateQuery,
-    StoreQuery,
-)
+from protocol.messages import DataQuery, Emergency, FrameFault, Relay, StateQuery, StoreQuery
 from protocol.modem import BAUD
 from protocol.state_frame import MOST
 from protocol.topside import Answer, ConsoleCodec, encode
@@ -106,7 +99,8 @@ class Submerged(Scripted):
             return []
         command = ask.command
         longest = LONGEST.get(type(command), _ACK)
-        self._arq.ask(encode(command), longest, tries=_tries(ask), matches=self._fits)
+        tries = ask.tries if isinstance(command, Emergency) else min(TRIES, ask.tries)
+        self._arq.ask(encode(command), longest, tries=tries, matches=self._fits)
         return self._arq.outgoing(now)
 
     def _fits(self, content: bytes) -> bool:
@@ -116,10 +110,6 @@ class Submerged(Scripted):
                 self._fitting = answer
                 return True
         return False
-
-
-def _tries(ask: Ask) -> int:
-    return ask.tries if isinstance(ask.command, Emergency) else min(TRIES, ask.tries)
 
 
 class BatchTalk:

@@ -16,6 +16,7 @@ import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
+from links.simulated.settings import FaultEvent
 from mission.model import Step
 from mission.verification.campaign.audit import commands_of
 from mission.verification.campaign.depth_laws import DEPTH_FAULTS
@@ -169,22 +170,17 @@ def _leak(story: Story, begin: float, end: float) -> Iterator[Violation]:
 
 
 def _blind(story: Story, begin: float, end: float) -> Iterator[Violation]:
-    """A depth at full scale, or silent by the board that says so, is known to be none at once."""
-    for fault in story.settings.faults:
-        silent = fault.name == "depth_silent" and story.profile == "documented"
-        frozen = fault.name == "depth_frozen"
-        if not (silent or frozen or fault.name == "depth_full_scale"):
-            continue
+    """A mission goes on for no longer without a depth."""
+    for fault, lag in _no_depths(story):
         if fault.begin < begin + 10.0:
             continue
         until = min(fault_ends(fault), end, FOREVER)
-        known = fault.begin + _BLIND + (10.0 if frozen else 0.0)
+        known = fault.begin + lag
         under = min(story.depth(t) for t in (fault.begin - 6.0, fault.begin, known)) > _UNDER
         alone = len(story.faults(("depth_",), fault.begin - 10.0, until)) == 1
         told = len(story.told_in(fault.begin, known)) > 3
-        turns = all(r.may_turn for r in story.reports if fault.begin <= r.t <= known)
-        if frozen and not turns:
-            continue  # R5: it repeats while a thruster turns
+        if not _may_be_told(story, fault, fault.begin, known):
+            continue
         if until > known and under and alone and told and not story.hindered(fault.begin, known):
             yield Violation(UNANSWERED, known, "under water without a depth, and still autonomous")
 
@@ -193,20 +189,31 @@ def _blind_before(story: Story, flight: list[Stay]) -> Iterator[Violation]:
     """The same where nothing of a dive was believed: a set that leads down and needs no depth."""
     spans = [span for stay in flight for span in sets_of(story, stay)]
     downward = [s for s in spans if s[2].altitude is not None or (s[2].heave or 0.0) > 0.0]
-    for fault in story.faults(("depth_silent", "depth_frozen", "depth_full_scale"), 0.0, story.end):
-        if fault.name == "depth_silent" and story.profile != "documented":
-            continue
-        lag = _BLIND + (10.0 if fault.name == "depth_frozen" else 0.0)
+    for fault, lag in _no_depths(story):
         for begin, end, _ in downward:
             known = begin + lag
             until = min(fault_ends(fault), end, FOREVER)
             if fault.begin > begin or until <= known or story.depth(known) <= _UNDER:
                 continue
             alone = len(story.faults(("depth_",), begin - 10.0, until)) == 1
-            told = [r for r in story.reports if begin <= r.t <= known]
-            turns = fault.name != "depth_frozen" or all(r.may_turn for r in told)
-            if alone and turns and len(told) > 3 and not story.hindered(begin, known):
+            told = len(story.told_in(begin, known)) > 3 and _may_be_told(story, fault, begin, known)
+            if alone and told and not story.hindered(begin, known):
                 yield Violation(UNANSWERED, known, "dives without a depth, and still autonomous")
+
+
+def _no_depths(story: Story) -> Iterator[tuple[FaultEvent, float]]:
+    """What leaves no depth, and after how many s it ends a mission: at full scale, or silent by the
+    board that says so, it is known at once."""
+    for fault in story.settings.faults:
+        silent = fault.name == "depth_silent" and story.profile == "documented"
+        if silent or fault.name in ("depth_frozen", "depth_full_scale"):
+            yield fault, _BLIND + (10.0 if fault.name == "depth_frozen" else 0.0)
+
+
+def _may_be_told(story: Story, fault: FaultEvent, begin: float, end: float) -> bool:
+    """R5: what is frozen repeats while a thruster turns."""
+    turns = all(r.may_turn for r in story.reports if begin <= r.t <= end)
+    return turns or fault.name != "depth_frozen"
 
 
 def _clogged(story: Story, flight: list[Stay]) -> Iterator[Violation]:
