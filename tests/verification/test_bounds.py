@@ -29,7 +29,7 @@ def test_without_a_trial_or_a_success_nothing_is_bounded() -> None:
     assert at_most(0, 0) == at_most(3, 3) == 1.0
 
 
-@pytest.mark.parametrize(("page", "rows"), [("how-to/campaign.md", 6), ("quality.md", 2)])
+@pytest.mark.parametrize(("page", "rows"), [("how-to/campaign.md", 6), ("findings.md", 30)])
 def test_the_bounds_that_a_page_tells_are_these(page: str, rows: int) -> None:
     """Rows that end with flights, violations, 95 % and 99 %; without violations the second is
     left out."""
