@@ -142,7 +142,7 @@ class _Auditor:
         self._holder: Peer | None = None  # whose M the vehicle follows
         self._tails: dict[Peer, bytes] = {}
         self._last: dict[re.Pattern[bytes], float] = {}
-        self._starts: deque[tuple[float, str]] = deque(maxlen=64)  # each @AA, and its link
+        self._starts: deque[tuple[float, bool]] = deque(maxlen=64)  # each @AA; whether a copy
         self._booted = -math.inf
         self._acks = 0  # of a stop, since the newest reason to stop
         self._sent_at: deque[float] = deque(maxlen=2)  # the newest frames to the vehicle
@@ -213,17 +213,17 @@ class _Auditor:
             if any(found.end() > fresh for found in pattern.finditer(stream)):
                 self._last[pattern] = said.t
         if _AA.search(said.data) and (said.link != MODEM or said.data in _ENVELOPES):
-            self._starts.append((said.t, said.link))
+            meant = [at for at, copy in self._starts if not copy and COPY > said.t - at > 0.0]
+            self._starts.append((said.t, said.link == MODEM and bool(meant)))
         self._tails[peer] = stream[-_LONGEST:]
 
     def _was_said(self, pattern: re.Pattern[bytes], t: float, within: float = HEARD) -> bool:
         return t - self._last.get(pattern, -math.inf) <= within
 
     def _is_copy(self, t: float) -> bool:
-        """Every @AA that may have led here came by modem, behind another one (R12)."""
-        recent = [(at, link) for at, link in self._starts if t - at <= HEARD]
-        before = [at for at, _ in self._starts if recent and COPY > recent[-1][0] - at > 0.0]
-        return bool(before) and all(link == MODEM for _, link in recent)
+        """Every @AA that may have led here came by modem, behind one that was none (R12)."""
+        recent = [copy for at, copy in self._starts if t - at <= HEARD]
+        return bool(recent) and all(recent)
 
     def _is_held(self, t: float, within: float) -> bool:
         """Whether an M came since then from whoever has the stick."""

@@ -15,7 +15,7 @@ from __future__ import annotations
 import math
 
 from links.simulated.settings import Settings
-from mission.model import AUTONOMOUS, SURFACED, SURFACING, Step
+from mission.model import AUTONOMOUS, SURFACED, SURFACING, Step, Tx
 from mission.verification.campaign.excuses import (
     NEVER,
     SLIGHT,
@@ -36,6 +36,8 @@ AFLOAT = 0.5  # m (R7)
 HELD = 3.0  # m of a body that its thrusters hold up
 SANK = 0.6  # m: 1 m by a sensor that may be 0.4 m off (R7, at rest)
 UNDER, ENDED = 0.3, 6  # m, s: an antenna under water, and fixes that have ended for so long
+UNSEEN = 60.0  # s of being let go, in which fixes that end count (R7, at rest)
+RECEIVER_OFF = b"BDGPS C"  # to its node
 TOLD = 10  # s until fixes that end have told it (R7, at rest)
 WHOLE_ROUND = 50.0  # s of an ascent's three ways, the last two of them twice as long
 
@@ -93,9 +95,12 @@ def _may_turn(trial: Trace, settings: Settings) -> bool:
 
 
 def _sank(trial: Trace) -> bool:
-    """In truth, out of surfaced, and was brought up by itself: fixes that ended tell it later."""
-    before = ""
+    """In truth, out of surfaced, and was brought up by itself: fixes that ended tell it later, and
+    so does a receiver that an operator switches off."""
+    before, off = "", -math.inf
     for event in trial.events:
+        if isinstance(event, Tx) and event.data == RECEIVER_OFF:
+            off = event.t
         if not (isinstance(event, Step) and event.entered):
             continue
         state = event.entered[-1]
@@ -106,7 +111,7 @@ def _sank(trial: Trace) -> bool:
             any(p.depth > SANK for p in seen),
             all(p.depth > UNDER for p in seen[-ENDED:]),
         )
-        if again and (deep or under):
+        if again and (deep or under or event.t - off < UNSEEN):
             return True
         before = state
     return False

@@ -198,6 +198,7 @@ def test_a_late_copy_of_a_start_by_modem_asks_for_nothing() -> None:
     assert spurious(*over, *again(23.0)) == 1
     assert spurious(*over, *again(23.0, "topside")) == 0
     assert spurious(*over, *again(122.0)) == 0
+    assert spurious(*over, again(100.0)[0], *again(122.0)) == 0  # a copy renews nothing
     assert spurious(*over, Done(20.0, Act.KILL), Done(22.0, Act.BOOT), *again(23.0)) == 0
 
 

@@ -259,6 +259,24 @@ def test_what_sank_out_of_surfaced_as_its_fixes_tell_is_held_up(deep, when, lost
     assert bool(lost(held, "documented", Settings())) is bool(lost_by)
 
 
+@pytest.mark.parametrize(("off", "is_lost"), [(15.0, False), (-40.0, True), (None, True)])
+def test_what_is_held_up_because_its_receiver_was_switched_off_is_not_lost(off, is_lost) -> None:
+    """As flight 18727 of seed 5313: nobody knows its depth, and its fixes have ended."""
+    switched = () if off is None else (Tx(off, "nodes", b"BDGPS C", "operator @NS"),)
+    steps = [
+        Step(t, "", (), (), (state,), (), trigger, None)
+        for t, state, trigger in (
+            (5.0, SURFACED, "surfaced"),
+            (25.0, SURFACING, "limit"),
+            (40.0, SURFACED, "surfaced"),
+        )
+    ]
+    trial = seen((*switched, *steps), SURFACED)
+    track = [trial.truth._replace(t=float(t), depth=0.2) for t in range(50)]
+    held = replace(trial, track=tuple(track), truth=track[-1], turning=True)
+    assert bool(lost(held, "documented", Settings())) is is_lost
+
+
 def test_what_lies_upside_down_for_good_and_nothing_tells_it_may_go_down_to_the_ground() -> None:
     """As flight 3248 of seed 4909: its board had fallen silent three seconds before."""
     over, silent = FaultEvent("capsized", 20.0, 1e6), FaultEvent("stm32_silent", 17.0, 1e6)
