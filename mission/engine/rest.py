@@ -121,6 +121,11 @@ class Rest:
             self._highest = min(self._highest, self._doubted[1])
 
     @property
+    def is_dark(self) -> bool:
+        """Whether no depth was believed since it came to rest."""
+        return math.isnan(self._depth)
+
+    @property
     def goes_down(self) -> str:
         """Why it is taken to sink by a depth that is not believed, in words; "" if it is not."""
         sunk = 0.0 if self._doubted is None else self._doubted[1] - self._highest

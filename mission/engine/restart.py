@@ -6,8 +6,8 @@
                                  thruster on whether it is frozen
     stopped, surfaced        --> the same again, everything stopped: the vehicle may be on deck
                                  (what was surfaced was up: deeper now, it has sunk meanwhile)
-    the stick alone, or a rest that began without a depth to believe
-                             --> stopped, idle; and up by the first depth that says it is deep, and
+    the stick alone, a stop that nothing has acknowledged, or a rest that began without a depth to
+    believe                  --> stopped, idle; and up by the first depth that says it is deep, and
                                  stays so: nobody may be there whose silence could be counted
     nothing                  --> idle; X0 where reports show a thruster on all the same, since a
                                  program may have ended between a word and the record of it
@@ -26,8 +26,9 @@ from mission.model import AUTONOMOUS, STOPPED, SURFACED, UNKNOWN, By, Restarted
 from mission.model.regions import EMERGENCY, IDLE, MANUAL
 
 STICK = "the stick, without a mission"  # under way in manual: a restart stops, and is idle
-UNANSWERED = "a stop without its acknowledgement"  # under way in idle: thrusters may still turn
+UNANSWERED = "a stop without its acknowledgement"  # in idle: thrusters may still turn
 UNSEEN = "rest that began without a depth to believe"  # it may have sunk, and lie on the bottom
+STOPS = (STICK, UNANSWERED, UNSEEN)  # under which a restart stops, and is idle
 REPORTS = 2
 UNWATCHED = 6.0  # s; with the surface's own 6 s a frozen depth shows
 
@@ -40,9 +41,10 @@ def under_way(core: Core) -> str:
         return core.active
     if core.region == MANUAL:
         return STICK
-    if core.region == IDLE and core.stop_at is not None:
+    if core.stop_at is not None:
         return UNANSWERED
-    return UNSEEN if core.region == IDLE and core.rested and core.rest.unseen else ""
+    dark = core.moved_blind and (not core.rested or core.rest.is_dark)
+    return UNSEEN if dark or (core.rested and core.rest.unseen) else ""
 
 
 def begin_again(core: Core, before: Restarted) -> None:
@@ -53,7 +55,7 @@ def begin_again(core: Core, before: Restarted) -> None:
         return
     core.outputs.doubt()
     why = f"the program restarted during {before.during}"
-    if before.during in (STICK, UNSEEN):
+    if before.during in STOPS:
         core.stop_quietly(why)
         core.rest.begin(unseen=True)
     elif before.during in (STOPPED, SURFACED):

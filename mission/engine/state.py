@@ -19,6 +19,7 @@ from mission.engine.vehicle_state import Navigator, VehicleState
 from mission.engine.words import in_words
 from mission.model import AUTONOMOUS, Action, By, Chart, Evaluation, Step
 from mission.model.copies import copied
+from mission.model.regions import IDLE
 from mission.model.vehicle import Vehicle
 from protocol.messages import SetSafety
 from protocol.vehicles import vehicle_row
@@ -56,7 +57,7 @@ class EngineState:
         self.outputs = OutputKeeper(vehicle.outputs)
         self.rest = Rest(vehicle.limits.descent_rate)
         self.rested = "rest"  # the kind of rest that it watches, "" where it is under way
-        self.moved_blind = False  # the state was last changed without a depth to believe
+        self.moved_blind = False  # it last came to another state without a depth to believe
         self._sank = False  # out of surfaced: let go, it would sink again
         self.let_go_at = -math.inf  # when an ascent last ended with everything stopped
         self.hold: Hold | None = None  # in surfaced, what sank when it was let go
@@ -122,6 +123,8 @@ class EngineState:
             Step(self.now, self.event, evaluations, moved[0], moved[1], words, trigger, by)
         )
         self.actions += actions
+        if moved[1] and (self.region != IDLE or IDLE in moved[1]):  # a load is no motion's end
+            self.moved_blind = self.vehicle_state.depth is None
 
     def _move(
         self,
@@ -134,7 +137,6 @@ class EngineState:
     ) -> None:
         was_flying = self.region == AUTONOMOUS
         moved = self.machine.move(name, target)
-        self.moved_blind = self.vehicle_state.depth is None
         self.reason = why
         left = by if was_flying else None
         self._record(actions, moved, trigger=name, by=left, evaluations=evaluations)

@@ -36,7 +36,10 @@ DEEP_M, DEEP_REPORTS = 2.0, 3
 SHALLOW_M, SHALLOW_S = 0.5, 6.0
 STALE_S = 6.0
 REPORT, DEPTH_AT = 86, 19  # of an @SD
-AT_REST = ("emergency/stopped", "emergency/surfaced", "the stick", "something that the store")
+AT_REST = (
+    *("emergency/stopped", "emergency/surfaced", "the stick", "a stop without", "rest that began"),
+    "something that the store",
+)
 _BUFFER = 4096
 
 Way = tuple[bytes, ...]

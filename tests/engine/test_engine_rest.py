@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 import pytest
-from engine_world import HOME, M, W, World, X, leg, mission, sets
+from engine_world import HOME, M, W, World, X, compiled, leg, mission, sets
 
 from mission.engine.attitude import Attitude
 from mission.engine.rest import Rest
@@ -21,6 +21,7 @@ from mission.model import (
     UNKNOWN,
     AutoNode,
     LineOpened,
+    Loaded,
     Outcome,
     Restarted,
     Result,
@@ -437,6 +438,71 @@ def test_what_came_to_rest_unseen_is_brought_up_behind_a_restart_too(back: float
     world.tell(AutoNode(True))
     world.wait(30.0)
     assert world.state == SURFACING
+
+
+@pytest.mark.parametrize("waits", [0.0, 60.0])
+def test_what_was_surfaced_and_cleared_unseen_is_brought_up_behind_a_restart(waits: float):
+    world = at_rest(SURFACED)
+    world.nav.doubt["depth"] = "absurd"
+    world.tell(W)
+    told_fixes(world, 200)
+    assert world.state == SURFACED
+    world.tell(ClearMission())
+    told_fixes(world, 62, 200)  # let go a minute before: it floats
+    world.wait(waits)
+    assert (world.state, world.engine.under_way) == (IDLE_EMPTY, UNSEEN)
+    again = World(MISSION)
+    again.tell(Restarted(world.engine.under_way))
+    again.depth = 8.0
+    again.wait(30.0)
+    assert again.state == SURFACING
+
+
+def test_what_came_to_rest_unseen_is_kept_before_the_first_report_of_its_rest():
+    """The stop is acknowledged at once, and the program may end before a report."""
+    world = World(MISSION)
+    assert world.start()
+    world.wait(4.0)
+    world.nav.doubt["depth"] = "absurd"
+    world.wait(2.0)
+    world.tell(AutoNode(False))
+    assert (world.state, world.engine.under_way) == (IDLE_READY, UNSEEN)
+
+
+@pytest.mark.parametrize("again", [True, False])
+def test_what_came_to_rest_unseen_at_its_mission_s_end_is_brought_up(again: bool):
+    """The mission ends by fixes, and no report follows; then one says that it is deep."""
+    world = World()
+    world.tell(world.report())
+    world.tell(Loaded(compiled(mission(leg("a", timeout=4.0, settings=sets(surge=0.5))))))
+    assert world.start()
+    world.nav.doubt["depth"] = "absurd"
+    second = 0
+    while world.state != IDLE_READY and second < 900:
+        second += 1
+        world.wait(1.0, reports=second % 2 == 0)
+        world.tell(world.fix(0.3 * (second % 29) + 0.0017 * second))
+    assert world.state == IDLE_READY
+    world.tell(AutoNode(False))
+    if again:
+        during, world = world.engine.under_way, World(MISSION)
+        world.tell(Restarted(during))
+    world.nav.doubt.clear()
+    world.depth = 8.0
+    world.wait(30.0, reports=False)
+    world.tell(AutoNode(True))
+    world.wait(30.0)
+    assert world.state == SURFACING
+
+
+@pytest.mark.parametrize("state", [IDLE_EMPTY, IDLE_READY])
+def test_a_program_that_began_at_rest_without_a_depth_leaves_nothing_under_way(state: str):
+    """It may be on deck, with a board that says nothing."""
+    world = World(MISSION if state == IDLE_READY else None)
+    world.depth = None
+    assert (world.state, world.engine.under_way) == (state, "")
+    world.wait(6.0)
+    assert world.engine.under_way == ""
 
 
 @pytest.mark.parametrize("way", [Order.SURFACE, UPWARD])

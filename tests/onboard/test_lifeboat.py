@@ -14,6 +14,8 @@ from pathlib import Path
 import pytest
 from served import PATIENCE, read_now, silent_board, simulated, soon
 
+from mission.engine.restart import STOPS
+from mission.model import UNKNOWN
 from mission.model.shipped import load_vehicle
 from mission.onboard.configuration import Configuration, LinkUrls
 from mission.onboard.kept import Homes, write_summed
@@ -160,7 +162,7 @@ def test_other_vehicles_are_told_in_their_own_words_and_at_their_pace(tmp_path: 
 @pytest.mark.parametrize(
     ("under_way", "climbs"),
     [("autonomous/out", True), ("emergency/surfacing", True), ("emergency/stopped", False),
-     ("emergency/surfaced", False), ("the stick, without a mission", False)],
+     ("emergency/surfaced", False), *((rest, False) for rest in (*STOPS, UNKNOWN))],
 )  # fmt: skip
 def test_it_climbs_by_what_was_under_way(tmp_path: Path, under_way: str, climbs: bool) -> None:
     plan = plan_from(["--folder", str(left(tmp_path, under_way).parent / "pi")], {})

@@ -31,6 +31,7 @@ from served import (
 from links.simulated.pty import PtyVehicle
 from mission.analysis.replay.replay import replay
 from mission.authoring.language import digest, script
+from mission.engine.restart import STOPS, UNANSWERED
 from mission.model import STOPPED, SURFACED, SURFACING
 from mission.onboard.blackbox import read_parts
 from mission.onboard.runtime.records import RX, read_rx
@@ -159,7 +160,7 @@ def test_while_serve_ends_the_operator_is_heard_and_no_mission_starts(tmp_path: 
     assert replays(pi)
 
 
-@pytest.mark.parametrize("during", ["", STOPPED, SURFACED])
+@pytest.mark.parametrize("during", ["", STOPPED, SURFACED, *STOPS])
 def test_serve_that_is_ended_and_begun_again_on_deck_turns_no_thruster(
     tmp_path: Path, during: str
 ) -> None:
@@ -172,7 +173,7 @@ def test_serve_that_is_ended_and_begun_again_on_deck_turns_no_thruster(
             heard = read_now(master)
         assert heard == (b"@ZAX0$" * len(heard))[: len(heard)], "and the last may be cut"
         assert bool(heard) == bool(during)
-        assert store.content.under_way == during
+        assert store.content.under_way == (UNANSWERED if during in STOPS else during)
 
 
 def test_the_first_word_after_a_restart_is_not_lost_on_a_port_that_is_about_to_open(
