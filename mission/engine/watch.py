@@ -271,6 +271,8 @@ class Watch:
             return None
         if self.sent is None or depth is None or not self.vehicle_state.health("heading").valid:
             return None
+        if not self.vehicle_state.receiver.fresh:
+            return None
         ahead = self.vehicle.speed_by_gear.at(GEARS * self.sent.surge)
         if ahead < _UNDER_WAY or fix.speed < _UNDER_WAY or depth >= SURFACE_DEPTH:
             return False

@@ -71,7 +71,7 @@ def within(radius: float, north: float, east: float, covariance: Covariance) -> 
         return 1.0 if far <= radius else 0.0
     if far + _EIGHT_SIGMA * great <= radius:
         return 1.0
-    if far - _EIGHT_SIGMA * great >= radius:
+    if radius <= 0.0 or far - _EIGHT_SIGMA * great >= radius:
         return 0.0
     c, s = math.cos(direction), math.sin(direction)
     return _integral(radius, north * c + east * s, east * c - north * s, great, small)

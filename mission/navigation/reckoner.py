@@ -355,6 +355,7 @@ class Reckoner:
 
     def _speeds(self, steady: bool) -> None:
         waiting, self._waiting = self._waiting, ()
+        steady = steady and self._motion.heading is not None
         for a in waiting:
             if steady and self.run(a.t, a.t).lost == 0.0:
                 self._use(a)

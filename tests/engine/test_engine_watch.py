@@ -400,6 +400,13 @@ def test_without_a_fix_a_set_or_an_estimate_no_course_is_apart():
     assert one.course_apart() is None
 
 
+@pytest.mark.parametrize("later", [12.0, 100.0])  # stuck, and of before a dive
+def test_a_place_that_is_said_again_tells_no_course(later: float):
+    one = at_the_surface()
+    one.vehicle_state.take_fix(Fix(later, 0.5, 2.0, 2.5, course=61.0 * DEG, speed=0.8))
+    assert one.course_apart() is None
+
+
 def test_a_course_is_held_against_where_the_bow_points():
     for heading, apart in ((100.0, False), (61.0, False), (-1.0, True), (123.0, True)):
         one = at_the_surface()

@@ -164,6 +164,12 @@ def test_the_share_within_a_disc_agrees_with_a_sum_over_a_grid(great, ratio, tur
     assert distribution.within(r, north, east, cov) == pytest.approx(total / norm, abs=0.02)
 
 
+@pytest.mark.parametrize("cov", [(9.0, 0.0, 9.0), (9.0, 2.0, 1.0), (9.0, 0.0, 0.0)])
+def test_a_place_that_is_not_certain_is_nowhere_exactly(cov):
+    assert distribution.within(0.0, 1.0, 2.0, cov) == distribution.within(0.0, 0.0, 0.0, cov) == 0.0
+    assert distribution.within(0.0, 0.0, 0.0, (0.0, 0.0, 0.0)) == 1.0
+
+
 def test_the_share_within_a_disc_about_its_centre_is_exact():
     for r in (0.5, 1.0, 3.0):
         assert distribution.within(r, 0.0, 0.0, (1.0, 0.0, 1.0)) == pytest.approx(

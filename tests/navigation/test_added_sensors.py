@@ -14,6 +14,7 @@ from kinematic_truth import HOME, Sea, Truth, sail
 from links.simulated.settings import parse_settings
 from mission.analysis.smoothing import smooth
 from mission.authoring.language import parse
+from mission.model import Estimate
 from mission.model.shipped import load_vehicle
 from mission.model.vehicle import Beacon
 from mission.navigation import Navigation
@@ -120,6 +121,20 @@ def test_a_speed_log_finds_the_speed_that_the_table_does_not_know() -> None:
     wrong = [i for i in under_water(told("")) if not isinstance(i, Fix) or i.t < 3.0]
     right = [i for i in under_water(told("water")) if not isinstance(i, Fix) or i.t < 3.0]
     assert off(right) < 0.6 * off(wrong)
+
+
+def test_a_doppler_log_beside_a_compass_that_never_spoke_teaches_nothing() -> None:
+    """Nobody knows to which side what it says along the bow is."""
+
+    def turned(items: Iterable[Said]) -> Estimate:
+        without = (i._replace(heading=None) if isinstance(i, Telemetry) else i for i in items)
+        found = navigated(without).estimate(554.0)
+        assert found is not None
+        return found
+
+    beside, alone = (turned(under_water(told(kind))) for kind in ("ground", ""))
+    assert (beside.north, beside.east) == pytest.approx((alone.north, alone.east), abs=0.1)
+    assert beside.current_north == pytest.approx(alone.current_north, abs=0.001)
 
 
 def flood(kind: str, rate: int) -> Iterator[Said]:

@@ -99,6 +99,24 @@ def test_however_long_two_disagree_they_teach_no_more_than_two_fixes_would() -> 
     assert 1.0 / 400.0**2 < taught < 2.0 / 380.0**2
 
 
+def test_while_two_disagree_neither_teaches_how_fast_it_moves() -> None:
+    found = [fix for second, _, fix in counted(apart_from_10) if second > 10]
+    assert {(fix.speed, fix.course) for fix in found} == {(None, None)}
+    assert all(fix.speed is not None for second, _, fix in counted(unchanged) if second > 10)
+
+
+@pytest.mark.parametrize("every", [1, 3, 4])
+def test_a_second_that_speaks_seldom_is_compared_as_long_as_it_counts_as_speaking(
+    every: int,
+) -> None:
+    def seldom(now: float, made: dict[str, GpsReceiver]) -> None:
+        apart_from_10(now, made)
+        made[GPS2].silent = bool(now % every)
+
+    doubted = [fix.accuracy for second, _, fix in counted(seldom, 60) if second >= 10 + every]
+    assert min(doubted) > 380.0
+
+
 def test_two_that_agree_again_are_believed_as_before() -> None:
     def jumped(now: float, made: dict[str, GpsReceiver]) -> None:
         made[GPS].offset = (400.0, 0.0) if 10 <= now < 20 or now >= 30 else (0.0, 0.0)

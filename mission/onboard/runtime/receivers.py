@@ -5,7 +5,8 @@
            first's fixes are one place to the bit, those of the second are not
 
 While both speak and are further apart than their noise explains, nothing says which of them is
-right: what counts is taken to be as uncertain as they are apart, the nth in a row n times as much.
+right: what counts is taken to be as uncertain as they are apart, the nth in a row n times as much,
+and its speed and course teach nothing.
 Their error is one and no noise: 1 + 1/4 + 1/9 + ... stays below 1.65, so all of them together
 teach no more than two fixes would, and the gate for fixes judges them (R9).
 
@@ -31,7 +32,6 @@ from protocol.nmea import NmeaDecoder
 GPS, GPS2 = "gps", "gps2"
 RECEIVERS = (GPS, GPS2)
 FAILOVER = 5.0  # s without a fix of the first
-BESIDE = 2.0  # s between two fixes that are compared
 TOLD = 10.0, 3  # s, fixes in a row: for so long the second counts, or they disagree, untold
 _STUCK = 5  # fixes in a row
 _SIGMAS, _LEAST, _FASTEST = 6.0, 3.0, 4.0  # of each noise; m, of a plain receiver's; m/s
@@ -109,12 +109,15 @@ class Receivers:
         """As uncertain as it is from the other's place, if that is too far; more each time."""
         self._apart = apart = self._between(link, fix)
         self._doubts = self._doubts + 1 if apart else 0
-        return replace(fix, accuracy=max(fix.accuracy, apart * self._doubts)) if apart else fix
+        if not apart:
+            return fix
+        accuracy = max(fix.accuracy, apart * self._doubts)
+        return replace(fix, accuracy=accuracy, speed=None, course=None)
 
     def _between(self, link: str, fix: Fix) -> float:
         """m, from the other's place of the same time; 0 where noise explains it."""
         others = self._last[GPS if link == GPS2 else GPS2]
-        if not others or fix.t - others[-1].t > BESIDE or _stuck(others):
+        if not others or fix.t - others[-1].t > FAILOVER or _stuck(others):
             return 0.0
         other = others[-1]
         apart = metres(fix.latitude, fix.longitude, other.latitude, other.longitude)
