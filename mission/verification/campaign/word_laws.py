@@ -216,7 +216,7 @@ def _ends_on_its_way_up(story: Story) -> Iterator[Violation]:
         under_way = stay.autonomous or stay.state == SURFACING
         deep = story.depth(end.t) > _DEEP_ENOUGH
         orders = any(end.t - 1.0 <= s.t <= due and _ORDER.search(s.data) for s in story.said)
-        others = any(end.t - 10.0 <= d.t < end.t for d in story.done)
+        others = any(end.t - 10.0 <= d.t <= end.t and d is not end for d in story.done)
         if not (under_way and deep) or orders or others or due > story.end:
             continue
         ways = stay.ascends or _has_word(story, end.t - 0.1, due)

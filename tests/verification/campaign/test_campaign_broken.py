@@ -263,6 +263,18 @@ def test_a_depth_that_drifts_into_the_air_ends_no_ascent(monkeypatch: pytest.Mon
     assert any("told to end" in says for _, says in judged(plan))
 
 
+def test_of_a_program_that_is_dead_when_it_is_told_to_end_no_word_is_asked() -> None:
+    """As flight 13077 of seed 5414: killed and told to end in one instant; it begins 3.5 s later."""
+    plan = stage("ended", 0)
+    acts = (Act.KILL, 50.1), (Act.END, 50.1), (Act.BOOT, 53.6)
+    dead = Drawn("ended", 0.0, tuple(Disturbance(t, act) for act, t in acts))
+    assert judged(replace(plan, incidents=(dead,))) == set()
+    told = Drawn("ended", 0.0, (Disturbance(50.1, Act.END),))
+    with broken("orderly end"):
+        found = judged(replace(plan, incidents=(told,)))
+    assert any("told to end" in says for _, says in found)
+
+
 def test_a_limit_that_is_tightened_behind_a_clogged_port_is_not_asked_for() -> None:
     """As flight 14186 of seed 707: at 8 m an operator allows 5 m, by a port that says 5 m."""
     plan = stage("clogged", 0)
