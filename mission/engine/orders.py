@@ -94,7 +94,7 @@ def manual(core: Core, command: Manual) -> Verdict:
             return Verdict(False, "an emergency: every stick has to be still for 2 s before")
         if command.neutral:
             return Verdict(False, "an emergency: a stick in neutral does not take it over")
-    core.stick = core.now
+    core.stick = core.watch.led_down = core.now
     if core.active != MANUAL_DRIVING:
         core.take_stick()
     return ACCEPTED

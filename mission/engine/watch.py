@@ -191,7 +191,7 @@ class Watch:
         self.topside_heard = -math.inf
         self.lost = 0
         self.blind_since: float | None = None
-        self._led_down = -math.inf  # by the last set without a depth to believe: when
+        self.led_down = -math.inf  # without a depth to believe, by a set or the stick: when last
         self._dark_since = math.inf  # without one
         self.excused = False  # a descent, by an ascent that answers it or by the stick that asks it
         self.repeated = False  # after a brown-out the set was sent again
@@ -202,9 +202,9 @@ class Watch:
         return copied(self, vehicle_state=vehicle_state)
 
     def begin(self, now: float) -> None:
-        """A mission starts, or goes on: ages and counts begin anew."""
+        """A mission starts, or goes on: ages and counts begin anew. What has led down since a depth
+        was believed stands: the start demands one, and what goes on does not."""
         self.heard, self.lost, self.blind_since = now, 0, None
-        self._led_down, self._dark_since = -math.inf, math.inf
         self.topside_heard = now
         self.repeated = False
         self.descent, self.steering, self.progress = Descent(), Steering(), Progress()
@@ -230,22 +230,22 @@ class Watch:
         """Note since when the vehicle is, or may be, submerged without a depth to believe."""
         vehicle_state = self.vehicle_state
         if vehicle_state.depth is not None:
-            self.blind_since, self._led_down, self._dark_since = None, -math.inf, math.inf
+            self.blind_since, self.led_down, self._dark_since = None, -math.inf, math.inf
             return
         self._dark_since = min(self._dark_since, vehicle_state.now)
         if leads_down(self.sent) or _nose_first(self.sent):
-            self._led_down = vehicle_state.now
+            self.led_down = vehicle_state.now
         if not (vehicle_state.submerged or self._may_be_under()):
             self.blind_since = None
         elif self.blind_since is None:
             self.blind_since = vehicle_state.now
 
     def _may_be_under(self) -> bool:
-        """Though the last depth that was believed was the surface's: a set led down since, and no
+        """Though the last depth that was believed was the surface's: it was led down since, and no
         fix has proved the surface behind it (a leg that holds a depth has an end of its own, but
         others may follow it), or fixes came in this mission and have ended."""
         sent, now = self.sent, self.vehicle_state.now
-        led = self._led_down > -math.inf and not self.vehicle_state.fixed(self._led_down)
+        led = self.led_down > -math.inf and not self.vehicle_state.fixed(self.led_down)
         own_end = sent is not None and sent.depth is not None
         if led and (not own_end or now - self._dark_since >= _OWN_END):
             return True

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from engine_world import M, W, World, X, leg, mission, when
+from engine_world import M, W, World, X, leg, mission, sets, when
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -315,3 +315,30 @@ def test_whatever_the_stick_does_nothing_but_stop_is_ever_sent(pauses: list[floa
     sent = [a for _, a in world.actions[begun:]]
     assert {a.command for a in sent} <= {Order.STOP}
     assert len(sent) == sum(p >= 2.0 for p in pauses)
+
+
+AFLOAT = sets(surge=0.5, heave=0.0)
+
+
+def blind_behind_the_stick(heave: float) -> World:
+    """Interrupted without a depth, whose last one was the surface's, and started again."""
+    down = leg("down", timeout=None, duration=5.0, settings=sets(surge=0.5, heave=heave))
+    world = World(mission(down, leg("run", timeout=300.0, settings=AFLOAT)))
+    assert world.start()
+    world.wait(1.0)
+    world.nav.doubt["depth"] = "frozen"
+    world.wait(4.5)
+    drive(world, 3.0)
+    world.wait(2.1)
+    assert world.tell(StartMission()).verdicts[0].accepted
+    return world
+
+
+@pytest.mark.parametrize("heave", [0.5, 0.0], ids=["a set", "the stick alone"])
+def test_what_led_down_without_a_depth_still_counts_when_the_mission_goes_on(heave: float):
+    world = blind_behind_the_stick(heave)
+    world.wait(5.9)
+    assert world.state == "autonomous/run"
+    world.wait(0.2)
+    assert world.state == SURFACING
+    assert "depth unknown" in world.engine.reason
