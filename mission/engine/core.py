@@ -204,9 +204,10 @@ class Core(Flying):
             self._record((Action(self.hold.way, f"{self.reason}: {why}"),))
 
     def excuse_descent(self) -> None:
-        """An ascent answers a descent, and the stick asks for it; to be called before a report."""
+        """An ascent answers a descent, and the stick asks for it; to be called first in every step:
+        reports may be missing."""
         if self.leg_ascent or self.active in (SURFACING, MANUAL_DRIVING):
-            self.watch.excused = True
+            self.watch.descent.excuse()
 
     def mind_rest(self) -> None:
         """Looks, with each report, for a vehicle that sinks although everything is stopped, or that
@@ -264,8 +265,8 @@ class Core(Flying):
     def take_stick(self) -> None:
         """Enters manual/driving; a mission stays where it was interrupted."""
         self.ascent = self.hold = self.stop_at = self.stopped_at = None
+        self.rested = ""  # what it was before the stick says nothing behind it
         self._sank, self.let_go_at = False, -math.inf
-        self.watch.excused = True  # behind it: there may be no report before the stick is over
         self.watch.set_sent(None)
         self.vehicle_state.rising_since = None
         self.vehicle_state.expect_change()

@@ -126,6 +126,7 @@ class Engine:
         core.actions, core.steps = [], []
         core.vehicle_state.at(now)
         core.event = event_of(inputs)
+        core.excuse_descent()
         reported, fixed, told = self._hear(inputs)
         verdicts = self._obey(inputs) if told else ()
         self._guard_limits(reported, fixed)
@@ -158,7 +159,6 @@ class Engine:
         for one in inputs:
             if isinstance(one, Telemetry):
                 core.vehicle_state.take_telemetry(one)
-                core.excuse_descent()
                 core.watch.take_report()
                 reported = True
             elif isinstance(one, Fix):

@@ -57,6 +57,10 @@ class Descent:
     def clone(self) -> Self:
         return copied(self)
 
+    def excuse(self) -> None:
+        """What it goes down until the next depth that counts is no descent, told or not."""
+        self._shallowest = None
+
     def take(self, t: float, depth: float | None, asked: bool, fastest: float) -> None:
         if depth is None:
             self.unexplained = None
@@ -67,7 +71,7 @@ class Descent:
             return
         self._t, self._depth = t, depth
         if asked or self._shallowest is None:
-            self._shallowest = depth
+            asked, self._shallowest = True, depth
         self._shallowest = min(self._shallowest, depth)
         if not 0.0 < since <= _STALE:
             self._beyond, self.unexplained = 0.0, None
@@ -193,7 +197,6 @@ class Watch:
         self.blind_since: float | None = None
         self.led_down = -math.inf  # without a depth to believe, by a set or the stick: when last
         self._dark_since = math.inf  # without one
-        self.excused = False  # a descent, by an ascent that answers it or by the stick that asks it
         self.repeated = False  # after a brown-out the set was sent again
         self.descent, self.steering, self.progress = Descent(), Steering(), Progress()
         self.closing = Closing()
@@ -218,10 +221,8 @@ class Watch:
         assert report is not None
         self.heard = report.t
         self.closing.take(report)
-        asked = self.excused or self._dive_asked()
-        self.excused = False
-        depth = self.vehicle_state.depth
-        self.descent.take(report.t, depth, asked, self.vehicle.limits.descent_rate)
+        depth, fastest = self.vehicle_state.depth, self.vehicle.limits.descent_rate
+        self.descent.take(report.t, depth, self._dive_asked(), fastest)
         heading = report.heading if self.vehicle_state.health("heading").valid else None
         self.progress.take(report.t, depth, self.sent.depth if self.sent else None)
         self.steering.take(report.t, heading, self.sent.heading if self.sent else None)

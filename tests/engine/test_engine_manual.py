@@ -118,6 +118,38 @@ def test_a_stop_behind_a_dive_that_no_report_told_of_is_a_stop(how: str):
     assert world.state == STOPPED
 
 
+@pytest.mark.parametrize("told", [(), (1,), range(100)], ids=["nothing", "once", "all"])
+@pytest.mark.parametrize("order", [W, M], ids=["W", "stick"])
+def test_an_x_behind_a_dive_is_a_stop_however_much_of_it_reports_told(order, told):
+    world = World()
+    world.depth = 1.0
+    world.wait(8.0)
+    world.tell(order)
+    for fifth in range(100):
+        world.t += 0.2
+        world.depth += 0.04
+        world.tell(*([M] if order is M else []), *([world.report()] if fifth in told else []))
+    world.tell(X)
+    for _ in range(12):
+        world.t += 1.0
+        world.depth += 0.15
+        world.tell(world.report())
+    assert world.state == STOPPED
+
+
+@pytest.mark.parametrize("told", [True, False])
+def test_what_lay_deeper_behind_the_stick_than_before_it_has_not_sunk_at_rest(told: bool):
+    """By what it was before, full thrust took it away from whoever moves it."""
+    world = World()
+    world.wait(8.0)
+    for _ in range(20):
+        world.depth += 0.15
+        world.tell(M, *([world.report()] if told else []))
+        world.t += 1.0
+    world.wait(15.0)
+    assert world.state == MANUAL_WAITING
+
+
 def test_a_stick_that_is_forgotten_as_the_program_stood_still_with_auto_closed_stops():
     world = World(mission(leg("a", timeout=400.0)))
     world.tell(world.report(), AutoNode(False))

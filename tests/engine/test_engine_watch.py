@@ -69,6 +69,17 @@ def test_two_metres_are_an_allowance_below_the_shallowest_depth_since_it_was_ask
     assert not descent.unexplained
 
 
+@pytest.mark.parametrize("between", [(8.5, 5.0), (9.0, None)], ids=["too soon", "unknown"])
+def test_what_is_excused_is_so_until_a_depth_counts_and_no_longer(between):
+    descent = sunk((0.0, 0.0), (8.0, 1.0))
+    descent.excuse()
+    for t, depth in (between, (10.0, 5.0), (12.0, 6.9)):
+        descent.take(t, depth, False, 9.0)
+        assert not descent.unexplained
+    descent.take(14.0, 7.3, False, 9.0)
+    assert descent.words == "sinking at 0.20 m/s at 7.3 m, and nothing asked for it"
+
+
 def test_a_tenth_of_a_metre_a_second_is_no_descent_and_more_is():
     assert not sunk((0.0, 0.0), (5.0, 5.0), (15.0, 6.0)).unexplained
     assert sunk((0.0, 0.0), (5.0, 5.0), (15.0, 6.001)).unexplained
@@ -248,7 +259,7 @@ def test_thrust_downward_asks_for_a_dive_and_thrust_upward_for_none():
 
 def test_an_ascent_of_a_leg_answers_for_its_own_sinking():
     one = watch()
-    one.excused = True
+    one.descent.excuse()
     heard(one, 12.0, depth=8.0)
     assert one.descent.unexplained is (VEHICLE.limits.descent_rate < 1.5)
 
