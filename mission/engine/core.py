@@ -183,7 +183,6 @@ class Core(Flying):
             words: tuple[Action, ...] = ()
             if self._sank and self.ascent.pushes_up:
                 why = f"{why}, and held up: it sank when it was let go"
-                self.stop_at = self.stopped_at = None  # of an earlier turn of the ascent
                 self.hold, self.let_go_at = Hold(self.ascent.push, now, now), -math.inf
                 if self.ascent.way != self.hold.way:
                     words = (Action(self.hold.way, why),)
@@ -264,7 +263,7 @@ class Core(Flying):
 
     def take_stick(self) -> None:
         """Enters manual/driving; a mission stays where it was interrupted."""
-        self.ascent = self.hold = self.stop_at = self.stopped_at = None
+        self.ascent = self.hold = None
         self.rested = ""  # what it was before the stick says nothing behind it
         self._sank, self.let_go_at = False, -math.inf
         self.watch.set_sent(None)
@@ -307,12 +306,13 @@ class Core(Flying):
         self.surface("limit", why, By.LIMIT, seen)
 
     def take_outcome(self, outcome: Outcome) -> None:
-        """Takes in what became of a frame: counts lost ones, notes acknowledged stops, and refused,
-        late or lost sets."""
+        """Takes in what became of a frame: counts lost ones, notes acknowledged stops that still
+        stand, and refused, late or lost sets."""
         watch, run = self.watch, self.flying
         if outcome.result is not Result.LATE:
             watch.lost = watch.lost + 1 if outcome.result is Result.LOST else 0
-        if outcome.command is Order.STOP and outcome.result is Result.ACCEPTED:
+        stopped = outcome.command is Order.STOP and outcome.result is Result.ACCEPTED
+        if stopped and self.stop_at is not None:
             self.stop_at, self.stopped_at = None, self.now
         if outcome.command != watch.sent or run is None or run.sent is None:
             return

@@ -95,6 +95,7 @@ def manual(core: Core, command: Manual) -> Verdict:
         if command.neutral:
             return Verdict(False, "an emergency: a stick in neutral does not take it over")
     core.stick = core.watch.led_down = core.now
+    core.stop_at = core.stopped_at = None  # a stop from before it is over
     if core.active != MANUAL_DRIVING:
         core.take_stick()
     return ACCEPTED

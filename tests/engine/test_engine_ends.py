@@ -18,6 +18,7 @@ from mission.model import (
     Ending,
     Loaded,
     Mission,
+    Outcome,
     Restarted,
     Result,
 )
@@ -254,6 +255,31 @@ def test_the_stick_alone_and_deep_leads_to_an_ascent_unless_auto_is_closed():
         world.tell(Ending())
         world.wait(2.5)
         assert world.state == state
+
+
+@pytest.mark.parametrize("late", [False, True])
+def test_a_stop_from_before_an_m_that_counts_is_neither_said_again_nor_taken_for_the_ends_own(
+    late: bool,
+):
+    """About 2 m deep the end stops what the stick moves, leaves it to the stick, and so on. A board
+    may acknowledge the first stop behind that M."""
+    world = World()
+    world.depth = 1.9
+    world.wait(8.0)
+    world.tell(M)
+    world.answer = None
+    world.tell(Ending())
+    acknowledged = Outcome(Result.ACCEPTED, b"@ZAX0$", STOP)
+    world.tell(*([] if late else [acknowledged]))
+    world.depth = 2.1
+    world.tell(world.report())
+    assert world.tell(M).verdicts[0].accepted
+    world.tell(*([acknowledged] if late else []))
+    world.wait(1.9)
+    assert (world.state, world.commands()) == (MANUAL_DRIVING, [STOP])
+    world.depth = 1.9
+    world.tell(world.report())
+    assert world.commands() == [STOP, STOP]
 
 
 def test_while_it_ends_the_operator_is_obeyed_and_no_mission_starts():
