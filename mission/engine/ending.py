@@ -45,6 +45,7 @@ def begin(core: Core, order: Ending) -> None:
         core.ending_since = core.now
     if order.now:
         last_words(core)
+        core.out_of_time = True
 
 
 def go_on(core: Core) -> None:
@@ -76,9 +77,7 @@ def _is_left_alone(core: Core) -> bool:
 def hears_stick(core: Core) -> bool:
     """Whether the stick would have the vehicle under water, where an end leaves it to whoever moves
     it: not behind the last words, nor while AUTO is closed, where nobody would bring it up."""
-    if core.active == SURFACING and core.ascent is None:
-        return False
-    return core.auto and (core.run is not None or _is_deep(core))
+    return not core.out_of_time and _leads_under_water(core)
 
 
 def last_words(core: Core) -> None:
@@ -95,7 +94,11 @@ def last_words(core: Core) -> None:
 
 
 def _ascends_from_stick(core: Core) -> bool:
-    return core.region == MANUAL and hears_stick(core)
+    return core.region == MANUAL and _leads_under_water(core)
+
+
+def _leads_under_water(core: Core) -> bool:
+    return core.auto and (core.run is not None or _is_deep(core))
 
 
 def _may_sink_again(core: Core) -> bool:

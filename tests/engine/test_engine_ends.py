@@ -320,6 +320,22 @@ def test_there_are_no_last_words_where_nothing_is_under_way(state: str):
     assert (world.state, since(world, before)) == (state, [])
 
 
+@pytest.mark.parametrize("state", [IDLE_EMPTY, STOPPED, MANUAL_DRIVING])
+def test_behind_the_last_words_the_stick_is_refused_also_where_there_were_none(state: str):
+    world = World()
+    world.depth = 5.0
+    world.wait(8.0)
+    world.tell(*{IDLE_EMPTY: [], STOPPED: [X], MANUAL_DRIVING: [M]}[state])
+    world.wait(1.0 if state == MANUAL_DRIVING else 4.0)
+    assert world.state == state
+    world.tell(Ending())
+    world.tell(Ending(now=True))
+    for order in (None, X, W):
+        world.tell(*([] if order is None else [order]))
+        world.wait(3.0)
+        assert not world.tell(M).verdicts[0].accepted
+
+
 def test_what_was_just_let_go_at_the_surface_is_left_so_where_time_is_out():
     world = flying_at(5.0)
     world.tell(W)
