@@ -25,14 +25,13 @@ from mission.engine.watch import leads_down
 from mission.model import (
     AUTONOMOUS,
     MANUAL_DRIVING,
-    STOPPED,
     SURFACED,
     SURFACING,
     Action,
     By,
     Ending,
 )
-from mission.model.regions import IDLE, MANUAL
+from mission.model.regions import MANUAL
 from protocol.messages import UPWARD
 
 WHY = "the program is ended"
@@ -67,11 +66,7 @@ def settled(core: Core) -> bool:
 
 def _is_left_alone(core: Core) -> bool:
     """Whether it needs nobody, once it has done what it was told last."""
-    if core.region == MANUAL:
-        return not _ascends_from_stick(core)
-    if core.region == AUTONOMOUS or core.active == SURFACING or _may_sink_again(core):
-        return False
-    return not _is_deep(core)
+    return not (_is_under_way(core) or _may_sink_again(core) or _is_deep(core))
 
 
 def hears_stick(core: Core) -> bool:
@@ -83,14 +78,19 @@ def hears_stick(core: Core) -> bool:
 def last_words(core: Core) -> None:
     """Sends the commands that have to hold when the program is gone. What an ascent has let go at
     the surface stays so."""
-    if _is_left_alone(core) or core.region == IDLE or core.active == STOPPED:
-        return
-    if core.active == SURFACED and not (_is_deep(core) and core.auto):
+    sank = core.active == SURFACED and _is_deep(core) and core.auto
+    if not (_is_under_way(core) or sank):
         return
     if core.active != SURFACING and _at_surface(core):
         core.stop_in("end", SURFACED, f"{WHY}, at the surface")
     else:
         core.say_last(Action(UPWARD, f"{WHY} before the surface is proved"))
+
+
+def _is_under_way(core: Core) -> bool:
+    """What an end brings up."""
+    ascends = core.active == SURFACING or _ascends_from_stick(core)
+    return ascends or core.region == AUTONOMOUS
 
 
 def _ascends_from_stick(core: Core) -> bool:

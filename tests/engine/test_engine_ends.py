@@ -253,8 +253,27 @@ def test_the_stick_alone_and_deep_leads_to_an_ascent_unless_auto_is_closed():
         world.wait(4.0)
         world.tell(M, AutoNode(is_open))
         world.tell(Ending())
+        assert not world.engine.settled
         world.wait(2.5)
-        assert world.state == state
+        assert (world.state, world.engine.settled) == (state, False)
+
+
+@pytest.mark.parametrize("waits", [0.0, 4.0])
+def test_nobody_leaves_what_the_stick_has_let_go_deep_while_auto_is_closed(waits: float):
+    """And nothing turns for it: the last words are none, or X0."""
+    world = World()
+    world.depth = 8.0
+    world.tell(world.report(), M, AutoNode(False))
+    world.wait(waits)
+    world.tell(Ending())
+    world.wait(3.0)
+    assert (world.state, world.engine.settled) == ("manual/waiting", False)
+    world.tell(Ending(now=True))
+    world.wait(3.0)
+    assert set(world.commands()) == {STOP}
+    world.depth = 1.9
+    world.wait(2.0)
+    assert (world.state, world.engine.settled) == ("manual/waiting", True)
 
 
 @pytest.mark.parametrize("late", [False, True])

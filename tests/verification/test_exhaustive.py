@@ -19,7 +19,7 @@ from mission.engine.bounds import Bounds
 from mission.engine.clearance import Clearance
 from mission.engine.limits import LIMITS, Limit
 from mission.engine.monitor import LimitMonitor
-from mission.model import AUTONOMOUS, STOPPED, SURFACED, Action, By, Tx, Verdict
+from mission.model import AUTONOMOUS, MANUAL_WAITING, STOPPED, SURFACED, Action, By, Tx, Verdict
 from mission.model.shipped import missions_folder
 from mission.model.vehicle import Vehicle
 from mission.navigation.added import Seen
@@ -432,6 +432,11 @@ def _ends_with_w_everywhere(patch: pytest.MonkeyPatch) -> None:
     patch.setattr(ending, "go_on", lambda c: c.surface("W", "over", By.OPERATOR))
 
 
+def _leaves_the_stick_as_it_is(patch: pytest.MonkeyPatch) -> None:
+    settled = ending.settled
+    patch.setattr(ending, "settled", lambda c: c.active == MANUAL_WAITING or settled(c))
+
+
 def _restart_only_stops(patch: pytest.MonkeyPatch) -> None:
     quietly = lambda c, before: c.stop_quietly("a restart")  # noqa: E731
     patch.setattr("mission.engine.engine.begin_again", quietly)
@@ -536,6 +541,7 @@ BROKEN: tuple[tuple[Break, str, str], ...] = (
     (_ends_with_a_stop, "autonomous/dive , quiet", "an ordered end brings up what is under way first"),
     (_ends_as_it_is, "autonomous/dive , quiet", "an ordered end brings up what is under way first"),
     (_ends_with_w_everywhere, "ready", "an ordered end turns nothing where nothing is under way"),
+    (_leaves_the_stick_as_it_is, "waiting, AUTO closed", "an ordered end turns nothing where nothing is under way"),
     (_restart_only_stops, "autonomous/dive , quiet", "a restart surfaces what was under way and leaves the rest at rest"),
     (_ascent_after_the_last_words, "surfacing", "the last words of a program are X0 and U12"),
     (_guesses_an_order, "ready", "no other Z of an operator's does anything"),

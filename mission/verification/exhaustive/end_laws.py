@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from mission.model import IDLE_EMPTY, IDLE_READY, MANUAL_DRIVING, STOPPED, SURFACED, SURFACING
 from mission.verification.exhaustive.cell import Cell
-from mission.verification.exhaustive.laws import AT_ONCE, AT_SURFACE, Law, Verdict, wrong
+from mission.verification.exhaustive.laws import AT_ONCE, AT_SURFACE, DEEP_REST, Law, Verdict, wrong
 from mission.verification.exhaustive.lines import HELD, WATER, X, upward
 
 _AT_REST = (STOPPED, SURFACED)
@@ -71,7 +71,14 @@ def _ends_at_rest(cell: Cell) -> Verdict:
     return wrong(
         (bool(others), f"{others[:1]} left"),
         (shallow and not cell.world.engine.settled, f"it stays in {cell.state}"),
+        (_is_deep(cell) and cell.world.engine.settled, f"it may go, deep, out of {cell.state}"),
     )
+
+
+def _is_deep(cell: Cell) -> bool:
+    """As it is believed, and nobody has told it to go at once."""
+    deep, state = cell.world.sea.depth > DEEP_REST, cell.world.engine.core.vehicle_state
+    return deep and state.depth is not None and "last" not in cell.event.causes
 
 
 def _last_words(cell: Cell) -> Verdict:
