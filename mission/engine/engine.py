@@ -364,8 +364,8 @@ class Engine:
         return self.core.run.round if self.core.run else 1
 
     def output(self, name: str) -> float | None:
-        """The value that the vehicle was told for this output; None if it was told none."""
-        return self.core.outputs.said.get(name)
+        """The value that the vehicle was told for this output; None if that is not known."""
+        return self.core.outputs.told(name)
 
     @property
     def settled(self) -> bool:

@@ -9,8 +9,8 @@ What a mission held is safe when the mission is over. The stick takes over what 
 be overruled by hand. An irreversible output is the operator's; where the vehicle file arms it, an
 ascent that has gained less than 1 m in 120 s sets it once, also where the depth is not known (R7).
 
-Only what has changed is said. Behind a line that was away, and after a restart in the midst of
-something, nobody knows what an output is: it is said with the next emergency, mission or @AO.
+Only what has changed is said. Behind a line that was away nobody knows what an output is: it is
+said with the next emergency, mission or @AO, or the end of the program.
 
 What does not live here: the engine's state (auxiliary), frames (protocol.vehicles), how often a
 word is said (onboard.runtime).
@@ -48,7 +48,8 @@ class OutputKeeper:
     def __init__(self, outputs: tuple[Output, ...]) -> None:
         self.outputs = {output.name: output for output in outputs}
         self._by_hand: Levels = {output.name: output.safe for output in outputs}
-        self.said: Levels = dict(self._by_hand)  # what is not in it is not known
+        self.said: Levels = dict(self._by_hand)  # what each was told last
+        self._doubtful: set[str] = set()  # of those, what may not be so
         self._region = IDLE
         self._emergency_at: float | None = None
         self._touched: tuple[str, ...] = ()  # by hand, since the last look
@@ -58,8 +59,12 @@ class OutputKeeper:
         return copied(self, outputs=self.outputs)
 
     def doubt(self) -> None:
-        """Forgets what the outputs were told; all are sent again."""
-        self.said = {}
+        """Nobody knows whether the outputs are what they were told."""
+        self._doubtful = set(self.outputs)
+
+    def told(self, name: str) -> float | None:
+        """What this output is, as far as it is known."""
+        return None if name in self._doubtful else self.said.get(name)
 
     def why_not(self, name: str, value: float, at: Situation) -> str:
         """Why ``value`` may not be set by hand now, "" if it may."""
@@ -81,7 +86,7 @@ class OutputKeeper:
 
     def set_by_hand(self, name: str, value: float) -> None:
         self._by_hand[name] = value
-        self.said.pop(name, None)  # said again though it were so
+        self._doubtful.add(name)  # said again though it were so
         self._touched = (*self._touched, name)
 
     def changes(self, at: Situation) -> Levels:
@@ -89,9 +94,11 @@ class OutputKeeper:
         self._follow(at)
         held = at.held if at.region == AUTONOMOUS else {}
         wanted = {**self._by_hand, **held}
-        asked = wanted if at.region == EMERGENCY else {*held, *self._touched, *self.said}
-        news = {n: wanted[n] for n in wanted if n in asked and self.said.get(n) != wanted[n]}
+        asked = wanted if at.safe or at.region == EMERGENCY else {*held, *self._touched}
+        again = self._doubtful & set(asked)
+        news = {n: level for n, level in wanted.items() if n in again or self.said[n] != level}
         self.said |= news
+        self._doubtful -= set(news)
         self._touched = ()
         return news
 

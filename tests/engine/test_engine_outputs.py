@@ -82,6 +82,27 @@ def test_behind_a_line_that_was_away_all_that_is_held_is_said_again() -> None:
     assert one.changes(at(AUTONOMOUS, lamp=80.0)) == {"lamp": 80.0}
 
 
+def test_what_was_set_before_the_line_was_away_is_made_safe_all_the_same() -> None:
+    one = keeper(HOLD)
+    driving = Situation(MANUAL, 0.0, {}, True, False)
+    one.set_by_hand("hold", 1.0)
+    one.changes(driving)
+    one.doubt()
+    assert one.told("hold") is None
+    assert one.changes(driving) == {}
+    assert one.changes(at(MANUAL)) == {"hold": 0.0}  # the stick was let go
+    assert one.told("hold") == 0.0
+    one.changes(at(AUTONOMOUS, hold=1.0))
+    one.doubt()
+    assert one.changes(at(IDLE)) == {"hold": 0.0}  # the mission is over
+
+
+def test_the_end_of_the_program_says_the_safe_word_again_behind_a_line_that_was_away() -> None:
+    one = keeper(LAMP)
+    one.doubt()
+    assert one.changes(Situation(IDLE, 0.0, {}, False, True)) == {"lamp": 5.0}
+
+
 def test_what_cannot_be_taken_back_is_the_operators_in_every_state_and_stays() -> None:
     one = keeper()
     for region in (IDLE, AUTONOMOUS, MANUAL, EMERGENCY):

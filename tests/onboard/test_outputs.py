@@ -113,6 +113,33 @@ def test_what_holds_the_vehicle_is_set_under_the_stick_and_ends_with_it() -> Non
     assert {bench.values(tx)["hold_depth"] for tx in bench.to_board(4.0)} == {0}
 
 
+@pytest.mark.parametrize("away", [False, True])
+def test_no_side_move_outlives_its_stick_though_the_line_was_away(away: bool) -> None:
+    bench = Bench("robot")
+    bench.until(1.0)
+    bench.say(AHEAD)
+    bench.say(b"@AO,side,7,$")
+    bench.until(1.5)
+    if away:
+        bench.sent += bench.runtime.connected("vehicle", "", bench.now)
+    bench.until(6.0)  # let go
+    bench.say(b"@MMF0$")
+    bench.until(6.5)
+    assert bench.runtime.state == MANUAL_DRIVING
+    assert {bench.values(tx)["command"] for tx in bench.to_board(6.0)} == {0}
+
+
+def test_a_lamp_is_off_at_the_end_of_the_program_though_the_line_was_away() -> None:
+    bench = Bench("rov")
+    bench.until(1.0)
+    bench.say(LAMP)
+    bench.until(2.0)
+    bench.sent += bench.runtime.connected("vehicle", "", bench.now)
+    bench.sent += bench.runtime.end(bench.now)
+    bench.until(4.0)
+    assert led(bench) == [40, 0]
+
+
 def test_a_leg_sets_its_outputs_the_next_keeps_them_and_the_ascent_makes_them_safe(
     tmp_path: Path,
 ) -> None:
