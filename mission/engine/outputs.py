@@ -5,9 +5,10 @@
     all else                        as set by hand (@AO), safe until then; what moves or holds
                                     the vehicle by the side of its setpoint only under the stick
 
-What a mission held is safe when the mission is over. The stick takes over what it finds, and may
-be overruled by hand. An irreversible output is the operator's; where the vehicle file arms it, an
-ascent that has gained less than 1 m in 120 s sets it once, also where the depth is not known (R7).
+What a mission held is safe when the mission is over. The stick makes safe what it finds that moves
+or holds the vehicle, and keeps the others until they are overruled by hand, or it is over. An
+irreversible output is the operator's; where the vehicle file arms it, an ascent that has gained
+less than 1 m in 120 s sets it once, also where the depth is not known (R7).
 
 Only what has changed is said. Behind a line that was away nobody knows what an output is: it is
 said with the next emergency, mission or @AO, or the end of the program.
@@ -23,7 +24,7 @@ from typing import NamedTuple, Self
 
 from mission.model import AUTONOMOUS
 from mission.model.copies import copied
-from mission.model.regions import EMERGENCY, IDLE, MANUAL
+from mission.model.regions import EMERGENCY, MANUAL
 from mission.model.vehicle import Output
 
 GAINS, WITHIN = 1.0, 120.0  # m and s: an ascent that rises slower needs help (R7)
@@ -50,8 +51,7 @@ class OutputKeeper:
         self._by_hand: Levels = {output.name: output.safe for output in outputs}
         self.said: Levels = dict(self._by_hand)  # what each was told last
         self._doubtful: set[str] = set()  # of those, what may not be so
-        self._region = IDLE
-        self._emergency_at: float | None = None
+        self._found: Levels = {}  # by the stick: what the mission that it interrupts had set
         self._touched: tuple[str, ...] = ()  # by hand, since the last look
         self._mark: tuple[float, float | None] | None = None  # of an ascent: when, how deep
 
@@ -86,6 +86,7 @@ class OutputKeeper:
 
     def set_by_hand(self, name: str, value: float) -> None:
         self._by_hand[name] = value
+        self._found.pop(name, None)
         self._doubtful.add(name)  # said again though it were so
         self._touched = (*self._touched, name)
 
@@ -93,7 +94,7 @@ class OutputKeeper:
         """Returns what has to be sent now."""
         self._follow(at)
         held = at.held if at.region == AUTONOMOUS else {}
-        wanted = {**self._by_hand, **held}
+        wanted = {**self._by_hand, **self._found, **held}
         asked = wanted if at.safe or at.region == EMERGENCY else {*held, *self._touched}
         again = self._doubtful & set(asked)
         news = {n: level for n, level in wanted.items() if n in again or self.said[n] != level}
@@ -103,13 +104,12 @@ class OutputKeeper:
         return news
 
     def _follow(self, at: Situation) -> None:
-        before, self._region = self._region, at.region
         if at.region == AUTONOMOUS:
-            self._make_safe(name for name in at.held)
-        elif at.region == MANUAL and before == AUTONOMOUS:
-            self._by_hand |= self.said
-        elif at.safe or (at.region == EMERGENCY and self._emergency_at != at.emergency_at):
-            self._emergency_at = at.emergency_at
+            self._make_safe(at.held)
+            self._found = {n: v for n, v in at.held.items() if not self.outputs[n].excludes}
+        elif at.region != MANUAL or at.safe:
+            self._found = {}
+        if at.region == EMERGENCY or (at.safe and at.region != AUTONOMOUS):
             self._make_safe(o.name for o in self.outputs.values() if not o.irreversible)
         if not at.driving:
             self._make_safe(o.name for o in self.outputs.values() if o.excludes)

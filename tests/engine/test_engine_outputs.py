@@ -54,6 +54,31 @@ def test_the_stick_takes_over_what_it_finds_and_a_resumed_mission_has_its_own_ag
     assert one.changes(at(AUTONOMOUS, lamp=80.0)) == {"lamp": 80.0}
 
 
+def test_the_stick_makes_safe_at_once_what_the_mission_moves_or_holds_the_vehicle_with() -> None:
+    one = keeper(LAMP, HOLD)
+    held = {"lamp": 80.0, "hold": 1.0}
+    one.changes(at(AUTONOMOUS, **held))
+    driving = Situation(MANUAL, 0.0, held, True, False)
+    assert one.changes(driving) == {"hold": 0.0}
+    one.set_by_hand("hold", 1.0)
+    assert one.changes(driving) == {"hold": 1.0}
+
+
+def test_what_the_stick_has_found_is_safe_behind_it_unless_it_was_set_by_hand_since() -> None:
+    one = keeper()
+    one.changes(at(AUTONOMOUS, lamp=80.0, tilt=9.0))
+    one.set_by_hand("tilt", 7.0)
+    assert one.changes(at(MANUAL, lamp=80.0, tilt=9.0)) == {"tilt": 7.0}
+    assert one.changes(at(IDLE)) == {"lamp": 5.0}
+
+
+def test_the_end_of_the_program_makes_safe_what_the_stick_has_found() -> None:
+    one = keeper()
+    one.changes(at(AUTONOMOUS, lamp=80.0))
+    one.changes(at(MANUAL, lamp=80.0))
+    assert one.changes(Situation(MANUAL, 0.0, {}, True, True)) == {"lamp": 5.0}
+
+
 def test_an_emergency_makes_every_output_safe_once_and_what_was_set_does_not_come_back() -> None:
     one = keeper()
     one.set_by_hand("lamp", 50.0)

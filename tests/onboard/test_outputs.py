@@ -157,6 +157,24 @@ def test_a_leg_sets_its_outputs_the_next_keeps_them_and_the_ascent_makes_them_sa
     assert refused == [REFUSED, REFUSED]
 
 
+def test_a_neutral_stick_ends_a_side_move_that_the_mission_began(tmp_path: Path) -> None:
+    text = """mission aside vehicle robot
+safety time 20min
+assume start 0
+start without fix
+aside: stop output side 7 output side_speed 400 for 30s
+"""
+    ready = prepared(tmp_path, text)
+    said = tuple(Cue(15.0 + 0.2 * i, b"@MMF0$") for i in range(10))
+    flight = fly(ready.mission, ready.vehicle, seed=3, said=said)
+    bench = Bench("robot")
+    bench.sent = list(flight.sent)
+    taken = next(tx.t for tx in bench.to_board(0.0) if "@MM" in tx.reason)
+    before = [bench.values(tx)["command"] for tx in bench.to_board(0.0) if tx.t < taken]
+    assert before[-1] == 7
+    assert {bench.values(tx)["command"] for tx in bench.to_board(taken)} == {0}
+
+
 @pytest.mark.proof
 def test_a_mission_that_names_no_output_leaves_what_was_set_by_hand(tmp_path: Path) -> None:
     text = ROV.replace(" output lamp 80", "").replace(" output lamp 0", "")
