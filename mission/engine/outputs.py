@@ -10,8 +10,9 @@ or holds the vehicle, and keeps the others until they are overruled by hand, or 
 irreversible output is the operator's; where the vehicle file arms it, an ascent that has gained
 less than 1 m in 120 s sets it once, also where the depth is not known (R7).
 
-Only what has changed is said. Behind a line that was away nobody knows what an output is: it is
-said with the next emergency, mission or @AO, or the end of the program.
+Only what has changed is said. At the start of the program, behind a line that was away, and where
+an operator's own word has set it (@DS, @RS), nobody knows what an output is: it is said with the
+next emergency, mission or @AO, or the end of the program.
 
 What does not live here: the engine's state (auxiliary), frames (protocol.vehicles), how often a
 word is said (onboard.runtime).
@@ -50,7 +51,10 @@ class OutputKeeper:
         self.outputs = {output.name: output for output in outputs}
         self._by_hand: Levels = {output.name: output.safe for output in outputs}
         self.said: Levels = dict(self._by_hand)  # what each was told last
-        self._doubtful: set[str] = set()  # of those, what may not be so
+        # Of those, what may not be so: of a program before this one nobody knows what it said.
+        self._doubtful = {o.name for o in outputs if not o.irreversible}
+        self._passed: set[str] = set()  # what an operator's word has set past this since
+        self._holder: tuple[str, float, bool] | None = None
         self._found: Levels = {}  # by the stick: what the mission that it interrupts had set
         self._touched: tuple[str, ...] = ()  # by hand, since the last look
         self._mark: tuple[float, float | None] | None = None  # of an ascent: when, how deep
@@ -62,9 +66,14 @@ class OutputKeeper:
         """Nobody knows whether the outputs are what they were told."""
         self._doubtful = set(self.outputs)
 
+    def pass_by(self, channels: Iterable[str]) -> None:
+        """An operator's own word sets these; it stands until somebody else holds the outputs."""
+        self._passed |= {o.name for o in self.outputs.values() if o.channel in channels}
+
     def told(self, name: str) -> float | None:
         """What this output is, as far as it is known."""
-        return None if name in self._doubtful else self.said.get(name)
+        unknown = name in self._doubtful or name in self._passed
+        return None if unknown else self.said.get(name)
 
     def why_not(self, name: str, value: float, at: Situation) -> str:
         """Why ``value`` may not be set by hand now, "" if it may."""
@@ -104,6 +113,10 @@ class OutputKeeper:
         return news
 
     def _follow(self, at: Situation) -> None:
+        holder = at.region, at.emergency_at, at.safe
+        if holder != self._holder:
+            self._doubtful |= self._passed
+            self._holder, self._passed = holder, set()
         if at.region == AUTONOMOUS:
             self._make_safe(at.held)
             self._found = {n: v for n, v in at.held.items() if not self.outputs[n].excludes}

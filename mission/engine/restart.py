@@ -53,7 +53,6 @@ def begin_again(core: Core, before: Restarted) -> None:
     if not before.during:
         core.stopped_at = core.now  # what turns was told so before a record of it was kept
         return
-    core.outputs.doubt()
     why = f"the program restarted during {before.during}"
     if before.during in STOPS:
         core.stop_quietly(why)

@@ -20,7 +20,41 @@ def at(region: str, **held: float) -> Situation:
 
 
 def keeper(*outputs: Output) -> OutputKeeper:
-    return OutputKeeper(outputs or (LAMP, TILT, WEIGHT))
+    """Of a program that has told them all that they are safe."""
+    one = OutputKeeper(outputs or (LAMP, TILT, WEIGHT))
+    one.changes(at(EMERGENCY))
+    return one
+
+
+def test_the_first_emergency_of_a_program_says_the_safe_words_of_what_can_be_taken_back() -> None:
+    """Whatever the program before it has told them."""
+    one = OutputKeeper((LAMP, TILT, WEIGHT))
+    assert one.told("lamp") is None
+    assert one.changes(at(IDLE)) == {}
+    assert one.changes(at(EMERGENCY)) == {"lamp": 5.0, "tilt": 0.0}
+    assert one.told("lamp") == 5.0
+
+
+def test_a_mission_says_what_it_names_though_it_be_safe() -> None:
+    one = OutputKeeper((LAMP, TILT))
+    assert one.changes(at(AUTONOMOUS, lamp=5.0)) == {"lamp": 5.0}
+
+
+def test_what_an_operators_own_word_has_set_is_made_safe_by_the_next_emergency() -> None:
+    one = keeper()
+    one.changes(at(IDLE))
+    one.pass_by({"led_pct"})
+    assert one.told("lamp") is None
+    assert one.changes(at(IDLE)) == {}
+    assert one.changes(at(EMERGENCY)) == {"lamp": 5.0}
+
+
+def test_an_operators_own_word_behind_an_emergency_stands_until_the_next() -> None:
+    one = keeper()
+    one.pass_by({"led_pct"})
+    assert one.changes(at(EMERGENCY)) == {}
+    assert one.told("lamp") is None
+    assert one.changes(Situation(EMERGENCY, 9.0, {}, False, False)) == {"lamp": 5.0}
 
 
 def test_at_rest_nothing_is_said_that_nobody_asked_for() -> None:

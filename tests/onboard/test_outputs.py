@@ -9,12 +9,16 @@ import pytest
 from test_other_vehicles import prepared
 from test_sticks import AHEAD, Bench
 
+from links.base import Rx
 from mission.model import MANUAL_DRIVING, SURFACING, Outcome, Tx
 from mission.model.running import Action
 from mission.model.shipped import load_vehicle
 from mission.model.vehicle_file import read_vehicle
+from mission.onboard.configuration import Configuration
 from mission.onboard.runtime.frontseat import Frontseat
 from mission.onboard.runtime.line import line_to
+from mission.onboard.runtime.runtime import Runtime
+from mission.onboard.store import MemoryStore
 from mission.verification.rig.rehearsal import Cue
 from mission.verification.simulation.flight import fly
 from protocol.messages import Ack, Order, Outputs, Setpoint
@@ -262,6 +266,43 @@ def test_a_newer_word_for_the_same_output_takes_the_place_of_the_older() -> None
     assert [data for _, data in drained(line, 0.5)] == [b"@DS1,5$"]
     line.command(Action(Outputs((("port", -3.0),)), "another leg"))
     assert [data for _, data in drained(line, 10.0)] == [b"@DS1,-3$"] * 3
+
+
+@pytest.mark.parametrize("relayed", [b"@DS1,15$", b"@DA1,2$", b"@DS3,15$", b"@MDS1,15$"])
+def test_an_operators_own_word_takes_the_place_of_an_older_one_for_the_same_rudder(
+    relayed: bytes,
+) -> None:
+    line = auv_line()
+    line.command(Action(Outputs((("light", 0.0), ("port", 0.0))), "safe"))
+    said = [data for _, data in drained(line, 1.0)]
+    line.relay(relayed, "operator", relayed.startswith(b"@M"))
+    said += [data for _, data in drained(line, 10.0)]
+    assert said.count(b"@RSOOOOOOC$") == 3
+    assert [data for data in said if data[:2] in (b"@D", b"@M")] == [b"@DS1,0$", relayed]
+
+
+def test_what_an_operators_own_word_adds_to_is_said_before_it() -> None:
+    line = auv_line()
+    line.command(Action(Outputs((("port", 0.0),)), "safe"))
+    line.relay(b"@DA1,2$", "operator")
+    assert [data for _, data in drained(line, 10.0)] == [b"@DS1,0$", b"@DA1,2$"]
+
+
+def test_what_was_relayed_to_a_device_is_made_safe_by_the_next_emergency() -> None:
+    vehicle = read_vehicle(AUV, "auv.yaml")
+    runtime = Runtime(Configuration(), vehicle, MemoryStore())
+    sent = runtime.connected("topside", "boat", 0.0)
+    said = ((1.0, b"@ZAX0$"), (15.0, b"@DS1,9$@RSCCCCCCC$"), (30.0, b"@ZAX0$"))
+    for now, words in said:
+        sent += runtime.receive(Rx(now, "topside", words, "boat"))
+        while (due := runtime.next_timer()) is not None and due < now + 14.0:
+            sent += runtime.handle_timer(due)
+            if sent[-1].data == b"@ZAX0$":
+                sent += runtime.receive(Rx(due, "vehicle", b"@ACK_ZAY$"))
+    devices = [tx.data for tx in sent if tx.link == "vehicle" and tx.data[:2] in (b"@D", b"@R")]
+    safe = [b"@RSOOOOOOC$", b"@DS1,0$"]
+    told = [sorted(devices[:6]), sorted(devices[6:8]), sorted(devices[8:])]
+    assert told == [sorted(3 * safe), [b"@DS1,9$", b"@RSCCCCCCC$"], sorted(3 * safe)]
 
 
 def test_what_a_set_waits_for_is_not_kept_back_by_outputs() -> None:

@@ -36,7 +36,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from mission.model import Action, Outcome, Result, Tx
-from mission.onboard.runtime.relays import Relays
+from mission.onboard.runtime.relays import Relays, channels_of
 from mission.onboard.runtime.restated import Restated, TakeOutputs, no_outputs
 from protocol.codec import CannotEncode
 from protocol.messages import UPWARD, Ack, Order, Outputs, Setpoint, Telemetry
@@ -175,7 +175,10 @@ class Frontseat:
             self._give_up()
             self._held = self._becoming = self._set = self._late_at = self._order = None
             self._again = None
-        return self._relays.add(data, reason, manual)
+        if why := self._relays.add(data, reason, manual):
+            return why
+        self._outputs.give_way(channels_of(data))
+        return ""
 
     def report(self, report: Telemetry) -> None:
         """This board holds by itself."""

@@ -16,6 +16,8 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
+from protocol.vehicles.auv_outputs import POWER
+
 INCREMENTS = 8  # that may wait: a quarter of a second of a 9600 line
 
 _MAINS = frozenset({"thruster 1", "thruster 2"})
@@ -25,6 +27,11 @@ _SETS = {
     **{f"@MR{way}": _MAINS if way in "LR" else _VERTICALS for way in "LRFBUD"},
     "@MS": _MAINS,
     "@MP": _VERTICALS,
+}
+_CHANNELS = {
+    "servo 1": ("rudder_left_deg",),
+    "servo 2": ("rudder_right_deg",),
+    "@RS": ("power", *POWER),
 }
 _SERVO = re.compile(rb"@M?D([AS])(-?\d+)")
 _THRUSTER = re.compile(rb"@MT(-?\d+)")
@@ -54,6 +61,12 @@ def word(data: bytes, reason: str, manual: bool) -> _Word:
     text = data.decode("ascii", "replace")
     sets = _SETS.get(text[:4]) or _SETS.get(text[:3]) or frozenset({text[:3]})
     return _Word(data, reason, manual, sets, False)
+
+
+def channels_of(data: bytes) -> frozenset[str]:
+    """The AUV's outputs that it sets, and what their words set (protocol.vehicles.auv_outputs)."""
+    sets = word(data, "", False).sets
+    return frozenset(channel for one in sets for channel in _CHANNELS.get(one, ()))
 
 
 class Relays:

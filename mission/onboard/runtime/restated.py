@@ -8,7 +8,7 @@ live here: when the line is free for them (frontseat, repeater).
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Set
 from dataclasses import dataclass
 
 from protocol.messages import Outputs
@@ -28,6 +28,7 @@ class _Word:
     reason: str
     due: float
     said: int = 0
+    times: int = TIMES
 
 
 class Restated:
@@ -40,6 +41,14 @@ class Restated:
             self.words.pop(sets, None)  # behind the others
             self.words[sets] = _Word(data, reason, 0.0)
 
+    def give_way(self, channels: Set[str]) -> None:
+        """To a newer word for these: what has been said is said no more, the others once."""
+        for sets in channels & self.words.keys():
+            if self.words[sets].said:
+                del self.words[sets]
+            else:
+                self.words[sets].times = 1
+
     def take(self, now: float) -> tuple[bytes, str] | None:
         """The next that is due, with its reason."""
         sets = next((s for s, word in self.words.items() if word.due <= now), None)
@@ -48,7 +57,7 @@ class Restated:
         word = self.words[sets]
         again = f" ({word.said + 1} of {TIMES})" if word.said else ""
         word.said, word.due = word.said + 1, now + AGAIN_S
-        if word.said == TIMES:
+        if word.said == word.times:
             del self.words[sets]
         return word.data, word.reason + again
 

@@ -49,6 +49,7 @@ from mission.onboard.runtime.mission_validator import MissionValidator
 from mission.onboard.runtime.operator_channels import operator_channels
 from mission.onboard.runtime.operator_server import OperatorServer
 from mission.onboard.runtime.receivers import RECEIVERS, Receivers
+from mission.onboard.runtime.relays import channels_of
 from mission.onboard.runtime.resume_marker import ResumeMarker
 from mission.onboard.runtime.situation import Situation
 from mission.onboard.runtime.standing import StandingChanges
@@ -278,8 +279,7 @@ class Runtime:
             self._observer.step(step)
         for action in outputs.actions:
             self.situation.commanded(action)
-            refused = self._frontseat.command(action)
-            if refused is not None:
+            if (refused := self._frontseat.command(action)) is not None:
                 self._refused.append(refused)
         self._marker.follow(self._engine.under_way, now)
         return outputs.verdicts
@@ -302,8 +302,7 @@ class Runtime:
         if self.situation.owes_report(now):
             self._topside.report_unasked(now, "at the surface")
         out = self._topside.outgoing(now)
-        if self._out:
-            out, self._out = self._out + out, []
+        out, self._out = self._out + out, []
         for peer, fault in self._topside.faults():
             self._record(rec.fault_record, now, peer.link, fault)
         if self._standing is not None:
@@ -359,6 +358,7 @@ class Runtime:
         self._engine.hear_stick(now)
 
     def relay(self, frame: bytes, reason: str, manual: bool) -> str:
+        self._engine.core.outputs.pass_by(channels_of(frame))
         return self._frontseat.relay(frame, reason, manual)
 
     def accept(self, lines: tuple[str, ...], now: float) -> None:
