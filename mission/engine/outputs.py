@@ -52,7 +52,7 @@ class OutputKeeper:
         self._by_hand: Levels = {output.name: output.safe for output in outputs}
         self.said: Levels = dict(self._by_hand)  # what each was told last
         # Of those, what may not be so: of a program before this one nobody knows what it said.
-        self._doubtful = {o.name for o in outputs if not o.irreversible}
+        self.doubt()
         self._passed: set[str] = set()  # what an operator's word has set past this since
         self._holder: tuple[str, float, bool] | None = None
         self._found: Levels = {}  # by the stick: what the mission that it interrupts had set
@@ -63,8 +63,13 @@ class OutputKeeper:
         return copied(self, outputs=self.outputs)
 
     def doubt(self) -> None:
-        """Nobody knows whether the outputs are what they were told."""
-        self._doubtful = set(self.outputs)
+        """Nobody knows whether the outputs are what they were told. What cannot be taken back and
+        was never set is told nothing."""
+        self._doubtful = {
+            name
+            for name, o in self.outputs.items()
+            if not o.irreversible or self._by_hand[name] != o.safe
+        }
 
     def pass_by(self, channels: Iterable[str]) -> None:
         """An operator's own word sets these; it stands until somebody else holds the outputs."""
