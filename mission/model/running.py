@@ -102,7 +102,7 @@ class Outcome:
 
     result: Result
     frame: bytes
-    command: Setpoint | Order
+    command: Setpoint | Order | Outputs
 
 
 @dataclass(frozen=True, slots=True)

@@ -318,6 +318,7 @@ class RobotCodec(SilentBoard):
         return telemetry(frame.values(), frame.t, self._scale, self._wire["speed_step"])
 
     def take_outputs(self, levels: Mapping[str, float]) -> dict[str, bytes]:
+        self._speed(levels.get("side_speed_mm_s", 0.0))  # as a full speed: refused here
         super().take_outputs(levels)
         told = commands(levels, self.levels)
         return {sets(values): self._frame.encode(values) for values in told}
@@ -330,7 +331,9 @@ class RobotCodec(SilentBoard):
             command, speed = int(self.levels["side"]), self.levels["side_speed_mm_s"]
         frames = [self._frame.encode({"address": ROBOT, "command": command})]
         if command != STOP:
-            told = round(speed / self._wire["speed_step"])
-            wanted = {"address": ROBOT, "command": SPEED, "speed_mm_s": told}
-            frames.insert(0, self._frame.encode(wanted))
+            frames.insert(0, self._speed(speed))
         return frames
+
+    def _speed(self, mm_s: float) -> bytes:
+        told = round(mm_s / self._wire["speed_step"])
+        return self._frame.encode({"address": ROBOT, "command": SPEED, "speed_mm_s": told})

@@ -50,6 +50,15 @@ def test_what_a_document_does_not_tell_has_to_be_said() -> None:
         read_vehicle(text, "robot.yaml")
 
 
+def test_a_side_move_that_has_no_place_in_its_frame_is_refused_by_the_check() -> None:
+    robot = Path("missions/vehicles/robot.yaml").read_text(encoding="utf-8")
+    text = robot.replace("full_speed: 1000", "full_speed: 1000, speed_step: 0.1", 1)
+    fast = text.replace("side_speed_mm_s, high: 500", "side_speed_mm_s, high: 4000", 1)
+    assert read_vehicle(text, "robot.yaml").output("side_speed") is not None
+    with pytest.raises(VehicleError, match="speed_mm_s: 40000 is outside"):
+        read_vehicle(fast, "robot.yaml")
+
+
 def test_a_reading_that_no_report_has_is_refused() -> None:
     found = told("readings: {phase: usbl1}\n")
     assert "rov reports no usbl1" in found

@@ -10,17 +10,19 @@ from test_other_vehicles import prepared
 from test_sticks import AHEAD, Bench
 
 from links.base import Rx
-from mission.model import MANUAL_DRIVING, SURFACING, Outcome, Tx
+from mission.model import MANUAL_DRIVING, SURFACING, Outcome, Result, Tx
 from mission.model.running import Action
 from mission.model.shipped import load_vehicle
 from mission.model.vehicle_file import read_vehicle
 from mission.onboard.configuration import Configuration
 from mission.onboard.runtime.frontseat import Frontseat
 from mission.onboard.runtime.line import line_to
+from mission.onboard.runtime.repeater import Repeater
 from mission.onboard.runtime.runtime import Runtime
 from mission.onboard.store import MemoryStore
 from mission.verification.rig.rehearsal import Cue
 from mission.verification.simulation.flight import fly
+from protocol.codec import CannotEncode
 from protocol.messages import Ack, Order, Outputs, Setpoint
 from protocol.vehicles import codec
 
@@ -303,6 +305,23 @@ def test_what_was_relayed_to_a_device_is_made_safe_by_the_next_emergency() -> No
     safe = [b"@RSOOOOOOC$", b"@DS1,0$"]
     told = [sorted(devices[:6]), sorted(devices[6:8]), sorted(devices[8:])]
     assert told == [sorted(3 * safe), [b"@DS1,9$", b"@RSCCCCCCC$"], sorted(3 * safe)]
+
+
+def no_word(wanted: Outputs) -> dict[str, bytes]:
+    raise CannotEncode("no word for it")
+
+
+def test_an_output_that_has_no_word_is_refused_and_what_holds_goes_on() -> None:
+    board = codec(*load_vehicle("robot").speaks)
+    for line in (
+        Repeater(board.encode, 0.1, take_outputs=no_word),
+        Frontseat(codec(*load_vehicle("auv").speaks).encode, take_outputs=no_word),
+    ):
+        line.command(Action(Setpoint(surge=0.5), "a leg"))
+        wanted = Outputs((("side_speed", 4000.0),))
+        refused = line.command(Action(wanted, "by hand"))
+        assert refused == Outcome(Result.REFUSED, b"no word for it", wanted)
+        assert line.poll(0.0)[0]
 
 
 def test_what_a_set_waits_for_is_not_kept_back_by_outputs() -> None:

@@ -131,10 +131,10 @@ class Frontseat:
 
     def command(self, action: Action) -> Outcome | None:
         """Queue an action; an Outcome only if the vehicle has no word for it."""
-        if isinstance(action.command, Outputs):
-            self._outputs.add(self._take_outputs(action.command), action.reason)
-            return None
         try:
+            if isinstance(action.command, Outputs):
+                self._outputs.add(self._take_outputs(action.command), action.reason)
+                return None
             data = self._encode(action.command)
         except CannotEncode as error:
             return Outcome(Result.REFUSED, str(error).encode(), action.command)

@@ -73,11 +73,10 @@ class Repeater:
             self._action, self._frames = Action(Order.STOP, kept_awake), encode(Order.STOP)
 
     def command(self, action: Action) -> Outcome | None:
-        if isinstance(action.command, Outputs):
-            self._set_outputs(action.command, action.reason)
-            return None
         try:
-            if self._follows_w(action):
+            if isinstance(action.command, Outputs):
+                self._set_outputs(action.command, action.reason)
+            elif self._follows_w(action):
                 self._said(action.command)  # it has frames for it
                 self._behind = action
             else:
@@ -94,7 +93,8 @@ class Repeater:
         return self._is_new and held.reason == action.reason
 
     def _set_outputs(self, outputs: Outputs, reason: str) -> None:
-        """What holds is said at once with them; where nothing holds yet, neutral, by nobody."""
+        """What holds is said at once with them; where nothing holds yet, neutral, by nobody.
+        Raises CannotEncode, and then what held goes on."""
         held = self._action or Action(Order.STOP, f"neutral, with {reason}")
         assert not isinstance(held.command, Outputs)
         before = self._frames or self._said(held.command)
