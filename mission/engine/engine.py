@@ -390,11 +390,11 @@ class Engine:
     @property
     def readings(self) -> Mapping[str, Reading]:
         """Every variable, and what the mission asks of the vehicle file's, as a guard sees it."""
-        core = self.core
-        vehicle_state = core.vehicle_state
-        idle = vehicle_state.telemetry, vehicle_state.health, core.now, core.now, 0.0, 1
-        scope = core.run.scope(vehicle_state) if core.run else None
-        scope = scope or Scope(core.now, vehicle_state.estimate, *idle, lambda: None)
+        core, now = self.core, self.core.now
+        seen = core.vehicle_state
+        idle = now, now, 0.0, 1, lambda: None, None, seen.stale_after
+        scope = core.run.scope(seen) if core.run else None
+        scope = scope or Scope(now, seen.estimate, seen.telemetry, seen.health, *idle)
         told = core.chart.sources if core.chart is not None else ()
         rows = (*VARIABLES.values(), *(reading_row(*each) for each in told))
         return {row.name: reading_of(row, scope) for row in rows}

@@ -29,7 +29,8 @@ class Recall(Protocol):
 
 @dataclass(slots=True)
 class Scope:
-    """Everything a reading can be taken from, at one instant. ``track`` is the leg's own."""
+    """Everything a reading can be taken from, at one instant. ``track`` is the leg's own;
+    ``stale_after``: s, the age at which the vehicle's report is believed no more."""
 
     now: float
     estimate: Estimate | None
@@ -41,6 +42,7 @@ class Scope:
     round: int
     track: Callable[[], Track | None]
     memory: Recall | None = None
+    stale_after: float = math.inf
 
 
 Value = float | None

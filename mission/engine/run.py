@@ -350,6 +350,7 @@ class Run:
             self.round,
             self._track_from(vehicle_state),
             self._memory,
+            vehicle_state.stale_after,
         )
 
     def value(self, name: str, vehicle_state: VehicleState) -> Value:

@@ -198,7 +198,8 @@ def _doubt(row: Variable, scope: Scope) -> str:
     """Why the sensors behind a row are not to be believed; "" if they are."""
     for sensor in row.source:
         if sensor == CLOCK:
-            if scope.telemetry is None or scope.now - scope.telemetry.t > row.max_age:
+            age = math.inf if scope.telemetry is None else scope.now - scope.telemetry.t
+            if age > min(row.max_age, scope.stale_after):
                 return "stale"
             continue
         health = scope.health(sensor)

@@ -96,7 +96,7 @@ class VehicleState:
         s, the age at which a report is believed no more. ``rise``: m/s by buoyancy alone;
         ``sink``: m/s at most; ``deepest``: m, its own depth."""
         self.navigation = navigation
-        self._grounded, self._stale_after = grounded, stale_after
+        self._grounded, self.stale_after = grounded, stale_after
         self._rise, self._sink, self._deepest = rise, sink, deepest
         self.now = 0.0
         self.telemetry: Telemetry | None = None
@@ -165,7 +165,7 @@ class VehicleState:
     def _was_silent(self, report: Telemetry) -> bool:
         """What it said before is too long ago to go on from (R7)."""
         before = self.telemetry
-        return before is not None and report.t - before.t > self._stale_after
+        return before is not None and report.t - before.t > self.stale_after
 
     def expect_change(self) -> None:
         """Of a depth that nobody saw before: one that stands still proves no surface."""
@@ -174,7 +174,7 @@ class VehicleState:
     def _has_changed(self, depth: float) -> bool:
         """Notes a depth to believe; whether it lives. Another one behind a silence may not."""
         before, at = self._told
-        if depth != before is not None and self.now - at <= self._stale_after:
+        if depth != before is not None and self.now - at <= self.stale_after:
             self._moved_at = self.now
         self._told = depth, self.now
         return self.lives
@@ -284,7 +284,7 @@ class VehicleState:
         if self.telemetry is None or not isinstance(value, float):
             return Health(False, "missing", math.inf)
         age = self.now - self.telemetry.t
-        if age > self._stale_after:
+        if age > self.stale_after:
             return Health(False, "stale", age)
         return Health(math.isfinite(value), "" if math.isfinite(value) else "absurd", age)
 
@@ -315,7 +315,7 @@ class VehicleState:
     def seen_rising(self) -> tuple[float, float | None, bool, bool]:
         """For an ascent: s; the depth for its change; whether it is upside down; may be, unseen."""
         told = self.telemetry
-        silent = told is None or self.now - told.t > self._stale_after
+        silent = told is None or self.now - told.t > self.stale_after
         over, frozen = self.overturned, self.health("attitude").reason == "frozen"
         doubtful = self.attitude.doubtful(self.now) or frozen or (over and silent)
         return self.now, self.moving_depth, over and not silent, doubtful

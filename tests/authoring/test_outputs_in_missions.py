@@ -18,10 +18,11 @@ from mission.engine.engine import Engine
 from mission.engine.guards import Sheet
 from mission.engine.readings import Scope
 from mission.engine.variables import reading_row, value_of
-from mission.model import Chart, Health, Loaded
+from mission.model import AUTONOMOUS, Chart, Health, Loaded
 from mission.model.shipped import load_vehicle
 from mission.model.vehicle import Vehicle
-from protocol.messages import Telemetry
+from mission.navigation import Navigation
+from protocol.messages import StartMission, Telemetry
 
 ROV = load_vehicle("rov")
 LINES = """mission dim vehicle rov
@@ -197,6 +198,23 @@ def test_what_a_mission_asks_of_the_vehicle_file_is_told_like_every_variable() -
     engine.step(1.0, [Loaded(chart_of(LINES))])
     engine.step(2.0, [Telemetry(2.0, board=(("metal_pct", 60.0),))])
     assert (engine.readings["metal"].value, engine.readings["metal"].valid) == (60.0, True)
+
+
+@pytest.mark.parametrize("started", [False, True])
+def test_no_guard_goes_by_a_report_that_the_vehicle_file_calls_stale(started: bool) -> None:
+    quick = replace(ROV, stale_after=1.0)
+    engine = Engine(quick, Navigation(quick))
+    engine.step(1.0, [Loaded(chart_of(LINES, quick))])
+    for t in (2.0, 2.5, 3.0):
+        report = Telemetry(t, depth=0.1 + 0.01 * t, heading=1.0, board=(("metal_pct", 60.0),))
+        engine.step(t, [report])
+    engine.step(3.1, [StartMission()] if started else [])
+    assert (engine.region == AUTONOMOUS) is started
+    for name in ("metal", "speed", "depth"):
+        assert engine.readings[name].valid, name
+    engine.step(4.1)
+    for name in ("metal", "speed", "depth"):
+        assert engine.readings[name].reason == "stale", name
 
 
 def test_a_trend_of_a_reading_is_known_to_the_vehicle_that_has_it() -> None:
