@@ -28,6 +28,7 @@ from protocol.tolerances import Tolerances
 from protocol.vehicles import codec, link
 
 SHIPPED = Path("missions/vehicles/rov.yaml").read_text(encoding="utf-8")
+NEUTRAL = Order.STOP  # which leaves nothing on that the board holds by itself
 CONFIRMED = SHIPPED.replace("# confirmed:", "confirmed:")
 HOLD = """mission rov-hold vehicle rov
 safety time 20min depth 20
@@ -84,13 +85,18 @@ def test_nothing_is_held_until_the_vehicle_file_confirms_axes_and_signs(tmp_path
 # --- the loop alone ------------------------------------------------------------------------------
 
 
-def told(closer: LoopCloser, until: float, depth: float, rate: float = 0.0) -> Setpoint:
+def asked(closer: LoopCloser, until: float, depth: float, rate: float = 0.0) -> Setpoint | Order:
     """Reports at 20 Hz from 0 on; what is asked of the board behind the last."""
     wanted = Setpoint(surge=0.3, depth=3.0)
     closer.hold(wanted)
     for i in range(round(20 * until) + 1):
         closer.report(Telemetry(i / 20, depth=depth + rate * i / 20))
-    efforts = closer.closed(wanted, until)
+    return closer.closed(wanted, until)
+
+
+def told(closer: LoopCloser, until: float, depth: float) -> Setpoint:
+    """The same, of what is no order."""
+    efforts = asked(closer, until, depth)
     assert isinstance(efforts, Setpoint)
     assert efforts.depth is None
     return efforts
@@ -109,10 +115,29 @@ def test_a_report_that_is_older_than_half_a_second_is_neutral() -> None:
     closer = LoopCloser(loop())
     told(closer, 1.0, 2.0)
     wanted = Setpoint(surge=0.3, depth=3.0)
-    assert closer.closed(wanted, 1.0 + CLOSED_S) != Setpoint()
-    assert closer.closed(wanted, 1.001 + CLOSED_S) == Setpoint()
+    assert closer.closed(wanted, 1.0 + CLOSED_S) != NEUTRAL
+    assert closer.closed(wanted, 1.001 + CLOSED_S) == NEUTRAL
     closer.report(Telemetry(2.0, depth=2.0))
-    assert closer.closed(wanted, 2.0) != Setpoint()
+    assert closer.closed(wanted, 2.0) != NEUTRAL
+
+
+def test_the_board_holds_no_depth_by_itself_beside_one_that_the_pi_holds_or_has_given_up() -> None:
+    board = codec(*load_vehicle("rov").speaks)
+    board.take_outputs({"hold_depth": 1.0})
+    line = Repeater(board.encode, board.period, closer=LoopCloser(loop()))
+    (down,) = link("rov.down").frames(Tolerances())
+    line.command(Action(Setpoint(depth=3.0), "a leg"))
+    flags, efforts = set(), set()
+    for i in range(1, 120):
+        now = i / 20
+        if not 2.0 < now < 4.0:  # no report: neutral; behind it the depth runs away: given up
+            line.report(Telemetry(now, depth=2.0 - max(0.0, now - 4.0)))
+        for tx in line.poll(now)[0]:
+            values = down.decode(tx.data)
+            flags.add(values["hold_depth"])
+            efforts.add(values["f"])
+    assert 0.0 in efforts, "neutral was said"
+    assert flags == {0}
 
 
 def test_a_report_without_the_reading_does_not_count() -> None:
@@ -120,7 +145,7 @@ def test_a_report_without_the_reading_does_not_count() -> None:
     told(closer, 1.0, 2.0)
     for i in range(20):
         closer.report(Telemetry(1.05 + i / 20, heading=1.0))
-    assert closer.closed(Setpoint(depth=3.0), 2.0) == Setpoint()
+    assert closer.closed(Setpoint(depth=3.0), 2.0) == NEUTRAL
 
 
 def test_a_new_set_begins_with_nothing_of_the_effort_of_an_earlier_one() -> None:
@@ -143,7 +168,7 @@ def test_a_new_set_whose_axis_was_not_reported_begins_neutral() -> None:
     for i in range(21, 200):
         closer.report(Telemetry(i / 20, heading=1.0))
     closer.hold(Setpoint(depth=2.0))
-    assert closer.closed(Setpoint(depth=2.0), 10.0) == Setpoint()
+    assert closer.closed(Setpoint(depth=2.0), 10.0) == NEUTRAL
 
 
 @pytest.mark.parametrize("absurd", [-3e38, -1e4, 655.35, 3e38])
@@ -169,8 +194,8 @@ def test_a_depth_that_stays_elsewhere_counts_from_the_third_report_on() -> None:
     for i in range(6):
         closer.report(Telemetry(i / 20, depth=30.0 if i < 2 else 20.0))
         efforts = closer.closed(wanted, i / 20)
-        assert isinstance(efforts, Setpoint)
-        heaves.append(efforts.heave)
+        if isinstance(efforts, Setpoint):
+            heaves.append(efforts.heave)
     trim, most = loop().depth.trim, loop().depth.most
     assert heaves[:4] == pytest.approx([trim] * 4)
     assert closer.fault, "the error has grown by 10 m"
@@ -185,8 +210,7 @@ def test_an_error_that_grows_by_half_a_metre_in_5_s_ends_the_holding(
     rate: float, given_up: bool
 ) -> None:
     closer = LoopCloser(loop())
-    efforts = told(closer, 2 * GROWS_S, 2.0, rate)
-    assert (efforts == Setpoint()) is given_up
+    assert (asked(closer, 2 * GROWS_S, 2.0, rate) == NEUTRAL) is given_up
     assert bool(closer.fault) is given_up
     closer.hold(Setpoint(depth=1.0))
     assert closer.fault == ""

@@ -137,7 +137,7 @@ class LoopCloser:
         if not isinstance(command, Setpoint) or not held:
             return command
         if self.fault or now - min(self._axes[name].heard for name in held) > CLOSED_S:
-            return Setpoint()
+            return Order.STOP  # neutral, and nothing that the board holds by itself
         efforts = {_EFFORTS[name]: self._axes[name].effort for name in held}
         heave, turn = efforts.get("heave", command.heave), efforts.get("turn", command.turn)
         return replace(command, depth=None, heading=None, heave=heave, turn=turn)
