@@ -19,6 +19,7 @@ from mission.onboard.runtime.frontseat import Frontseat
 from mission.onboard.runtime.line import line_to
 from mission.onboard.runtime.repeater import Repeater
 from mission.onboard.runtime.runtime import Runtime
+from mission.onboard.serve.leaving import LAST_WORDS_S, MARGIN_S, REBORN_S
 from mission.onboard.store import MemoryStore
 from mission.verification.rig.rehearsal import Cue
 from mission.verification.simulation.flight import fly
@@ -305,6 +306,19 @@ def test_what_was_relayed_to_a_device_is_made_safe_by_the_next_emergency() -> No
     safe = [b"@RSOOOOOOC$", b"@DS1,0$"]
     told = [sorted(devices[:6]), sorted(devices[6:8]), sorted(devices[8:])]
     assert told == [sorted(3 * safe), [b"@DS1,9$", b"@RSCCCCCCC$"], sorted(3 * safe)]
+
+
+def test_the_program_ends_behind_the_third_word_to_every_output() -> None:
+    runtime = Runtime(Configuration(), read_vehicle(AUV, "auv.yaml"), MemoryStore())
+    sent = runtime.end(1.0)
+    while not runtime.said_all:
+        due = runtime.next_timer()
+        assert due is not None
+        sent += runtime.handle_timer(due)
+    words = [tx.data for tx in sent if tx.link == "vehicle"]
+    assert words.count(b"@DS1,0$") == words.count(b"@RSOOOOOOC$") == 3
+    assert sent[-1].t - 1.0 < LAST_WORDS_S
+    assert LAST_WORDS_S + REBORN_S < MARGIN_S
 
 
 def no_word(wanted: Outputs) -> dict[str, bytes]:

@@ -16,13 +16,16 @@ import asyncio
 import math
 from collections.abc import Callable, Mapping
 
+from mission.onboard.runtime.restated import AGAIN_S, TIMES
 from mission.onboard.runtime.runtime import Runtime
 
 VARIABLE = "AUVMISSION_STOP_S"
 USUAL_S = 300.0  # TimeoutStopSec of the unit
 MARGIN_S = 10.0  # real time, for the last words and for the black box
 REBORN_S = 4.0  # real time, for a runtime that is due behind a fault
-LAST_WORDS_S = 3.0  # real time, for the answers to the last words and their further tries
+# Real time, for the answers to the last words and their further tries, and until each of the
+# words that nobody answers has been said as often as it is to be (R18).
+LAST_WORDS_S = (TIMES - 1) * AGAIN_S + 1.0
 LOOK_S = 0.05
 UP_FIRST = (
     "serve ends when the vehicle is at the surface, and has acknowledged its stop; X, W and the "
