@@ -157,6 +157,7 @@ class SensorHealth:
         self.monitors = {name: _Monitor() for name in CHANNELS}
         self.moving = False  # by the last report
         self.receiver = Receiver()
+        self.own = Receiver()  # what the vehicle reckons itself is judged as a receiver is
         self.belief = DepthBelief()
 
     def telemetry(self, t: Telemetry, push: Vertical = UNPUSHED) -> frozenset[str]:
@@ -201,16 +202,16 @@ class SensorHealth:
         """Takes a fix in; whether it can be believed. The channel's value is a number that changes
         with each place that is new."""
         monitor = self.monitors["position"]
-        self.receiver.take(f)
+        own = f.accuracy == math.inf
+        receiver = self.own if own else self.receiver
+        receiver.take(f)
         known = 0.0 if math.isnan(monitor.value) else monitor.value
-        value = known + 1.0 if self.receiver.fresh else known
+        value = known + 1.0 if receiver.fresh else known
         good = monitor.observe(CHANNELS["position"], f.t, value, self.moving, False)
-        believed = good and not self.receiver.stale
-        return believed and not (f.accuracy < math.inf and self._under_water(f.t))
+        return good and not receiver.stale and (own or not self._under_water(f.t))
 
     def _under_water(self, now: float) -> bool:
-        """By a depth that is believed: a receiver that says a place there made it up. What the
-        vehicle reckons itself is no fix."""
+        """By a depth that is believed: a receiver that says a place there made it up."""
         return self.monitors["depth"].good >= FIX_DEPTH and self.of("depth", now).valid
 
     def forget(self, channel: str) -> None:

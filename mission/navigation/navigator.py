@@ -280,15 +280,16 @@ class Navigation:
         monitors = {name: copy(m) for name, m in self._health.monitors.items()}
         kept = (self.frame, self._date, self._declination, self.dropped, self._aided)
         health = self._health
-        seen = health.moving, health.receiver.clone(), health.belief.clone()
+        judges = health.receiver.clone(), health.own.clone(), health.belief.clone()
+        seen = health.moving, *judges
         return self.core.save(), monitors, tuple(self._history), kept, seen
 
     def restore(self, snapshot: Any) -> None:
         core, monitors, history, kept, seen = snapshot
         self.core.load(core)
         self._health.monitors = {name: copy(m) for name, m in monitors.items()}
-        moving, receiver, belief = seen
-        self._health.moving = moving
-        self._health.receiver, self._health.belief = receiver.clone(), belief.clone()
+        self._health.moving, receiver, own, belief = seen
+        self._health.receiver, self._health.own = receiver.clone(), own.clone()
+        self._health.belief = belief.clone()
         self._history = deque(history, maxlen=_KEEP)
         self.frame, self._date, self._declination, self.dropped, self._aided = kept

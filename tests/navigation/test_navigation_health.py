@@ -206,6 +206,29 @@ def test_a_fix_under_water_teaches_nothing_while_the_depth_is_believed(depth: fl
     assert health.fix(Fix(11.0, 0.5, 2.2, 2.5))  # the depth is stale
 
 
+@pytest.mark.parametrize(
+    ("deep", "reason"),
+    [(5.0, ""), (0.2, "contradicted: it leapt by -4.9 m")],
+    ids=["stays at 5 m", "leaps to the surface"],
+)
+def test_what_the_vehicle_reckons_itself_speaks_neither_for_its_depth_nor_against_it(
+    deep: float, reason: str
+):
+    """Under water it goes on: no receiver has seen the sky there."""
+    said = []
+    for places in (False, True):
+        health = SensorHealth(_ALL)
+        for second in range(120):
+            depth = 5.0 if second < 30 else deep
+            seen = report(0, depth=depth + 0.01 * math.sin(second), altitude=None)
+            health.telemetry(seen._replace(t=float(second)), Vertical(0.0, None))
+            if places:
+                assert health.fix(Fix(second + 0.1, 0.5 + 1e-7 * second, 2.0, math.inf))
+        said.append(health.of("depth", 119.0).reason)
+    assert said[0] == said[1]
+    assert said[0][:26] == reason[:26]
+
+
 @pytest.mark.parametrize("places", [2, 4, 30])
 @pytest.mark.parametrize("pause", [1.0, 20.0])
 def test_a_receiver_that_says_a_few_places_in_turn_while_the_vehicle_moves_is_frozen(

@@ -232,6 +232,19 @@ def test_a_restored_snapshot_goes_on_to_the_last_bit(vehicle: Vehicle, dive: lis
     assert half.health("depth", 560.0) == whole.health("depth", 560.0)
 
 
+def test_a_restored_snapshot_knows_the_places_that_the_vehicle_had_reckoned(
+    vehicle: Vehicle,
+) -> None:
+    """What it says again to the last bit is none that is new."""
+    nav = Navigation(vehicle, HOME)
+    for second in range(5):
+        nav.telemetry(Telemetry(float(second), depth=3.0 + 0.01 * second, actuators=(0.5,) * 5))
+        nav.fix(Fix(second + 0.1, 0.5, 2.0, math.inf))
+        kept, nav = nav.snapshot(), Navigation(vehicle, HOME)
+        nav.restore(kept)
+    assert nav.health("position", 5.0).reason == "frozen"
+
+
 def test_asking_changes_nothing(vehicle: Vehicle, dive: list[Item]) -> None:
     asked, silent = Navigation(vehicle, HOME), Navigation(vehicle, HOME)
     for item in dive[:150]:
