@@ -2,7 +2,8 @@
 
 Beyond 90 degrees a roll is out of the range that document 000 gives it (table 3.2), so sensor
 health takes it for absurd. Three reports in a row that differ from each other and agree on it are
-taken for the truth; full-scale garbage repeats itself.
+taken for the truth; full-scale garbage repeats itself. What repeats itself to the last bit while
+thrust is on tells nothing more, whatever it says.
 """
 
 from __future__ import annotations
@@ -16,13 +17,16 @@ OVERTURNED = math.radians(120.0)  # |roll| or |pitch|
 _REPORTS = 3
 _FULL_CIRCLE = math.radians(180.5)  # beyond it is no angle
 _SAME = 1e-9  # rad
+_FROZEN = 4  # repeats
+_NEUTRAL, _THRUSTERS = 0.02, 5  # share of full thrust; of the actuators
 _BROKEN_FOR = 60.0  # s for which a sensor that said what is no angle tells nothing
 
 
 class Attitude(NamedTuple):
     """What the last reports said; ``reports`` of them in a row were beyond 120 degrees. ``told``:
     there has been one; ``gone``: and the last report says nothing of it; ``broken``: when the last
-    one came that was no angle, s."""
+    one came that was no angle, s; ``same``: how often roll, and pitch, was repeated to the last bit
+    while thrust was on."""
 
     roll: float = 0.0
     pitch: float = 0.0
@@ -30,16 +34,21 @@ class Attitude(NamedTuple):
     told: bool = False
     gone: bool = False
     broken: float = -math.inf
+    same: tuple[int, int] = 0, 0
 
     @property
     def overturned(self) -> bool:
         return self.reports >= _REPORTS
 
+    @property
+    def frozen(self) -> bool:
+        return max(self.same) >= _FROZEN
+
     def doubtful(self, now: float) -> bool:
         """It may be upside down: the last report says so, or tells nothing more, or one of the last
         minute was no angle: whatever such a sensor says between."""
-        if self.overturned:
-            return False
+        if self.overturned or self.frozen:
+            return self.frozen
         beyond = max(abs(self.roll), abs(self.pitch)) > OVERTURNED
         return self.gone or beyond or now - self.broken < _BROKEN_FOR
 
@@ -47,14 +56,23 @@ class Attitude(NamedTuple):
         """With one more report; one without roll or pitch says that nothing is known (any more)."""
         roll, pitch = report.roll, report.pitch
         if roll is None or pitch is None:
-            return Attitude(told=self.told, gone=self.told, broken=self.broken)
-        worst = max(abs(roll), abs(pitch))
-        if not OVERTURNED < worst <= _FULL_CIRCLE:
-            broken = report.t if worst > _FULL_CIRCLE else self.broken
-            return Attitude(roll, pitch, told=True, broken=broken)
-        repeats = _apart(roll, self.roll) < _SAME and _apart(pitch, self.pitch) < _SAME
-        reports = self.reports + (not repeats or not self.reports)
-        return Attitude(roll, pitch, reports, told=True, broken=self.broken)
+            return self._replace(reports=0, gone=self.told)
+        worst, reports, broken = max(abs(roll), abs(pitch)), 0, self.broken
+        if worst > _FULL_CIRCLE:
+            broken = report.t
+        elif worst > OVERTURNED:
+            repeats = _apart(roll, self.roll) < _SAME and _apart(pitch, self.pitch) < _SAME
+            reports = self.reports + (not repeats or not self.reports)
+        same = self._repeated(report, roll, pitch) if self.told else (0, 0)
+        return Attitude(roll, pitch, reports, told=True, broken=broken, same=same)
+
+    def _repeated(self, report: Telemetry, roll: float, pitch: float) -> tuple[int, int]:
+        turns = any(abs(share) > _NEUTRAL for share in (report.actuators or ())[:_THRUSTERS])
+        rolls, pitches = self.same
+        return (
+            rolls + turns if roll == self.roll else 0,
+            pitches + turns if pitch == self.pitch else 0,
+        )
 
 
 def _apart(a: float, b: float) -> float:

@@ -139,12 +139,12 @@ class VehicleState:
     def take_telemetry(self, report: Telemetry) -> None:
         silent = self._was_silent(report)
         self.telemetry = report
-        self.attitude = self.attitude.after(report)
+        self.attitude = self.attitude.after(driven := self._with_thrust(report))
         if self.navigation:
             down, asked = _downward(report), self._asked()
             over = self.overturned  # then the same push leads the other way
             push = Vertical(None, None) if over else Vertical(down, asked)
-            self.navigation.telemetry(self._with_thrust(report), push)
+            self.navigation.telemetry(driven, push)
             self.estimate = self.navigation.estimate(report.t)
         self._forget()
         if report.position is not None:
@@ -314,11 +314,11 @@ class VehicleState:
     @property
     def seen_rising(self) -> tuple[float, float | None, bool, bool]:
         """For an ascent: s; the depth for its change; whether it is upside down; may be, unseen."""
-        told = self.telemetry
+        told, depth, attitude = self.telemetry, self.moving_depth, self.attitude
         silent = told is None or self.now - told.t > self.stale_after
-        over, frozen = self.overturned, self.health("attitude").reason == "frozen"
-        doubtful = self.attitude.doubtful(self.now) or frozen or (over and silent)
-        return self.now, self.moving_depth, over and not silent, doubtful
+        over = attitude.overturned and not silent and not (attitude.frozen and depth is None)
+        doubtful = attitude.doubtful(self.now) or (attitude.overturned and silent)
+        return self.now, depth, over, doubtful
 
     @property
     def submerged(self) -> bool:

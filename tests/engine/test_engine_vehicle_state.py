@@ -105,14 +105,27 @@ def test_a_vehicle_that_fell_silent_upside_down_may_lie_either_way():
     assert vehicle_state.seen_rising[2:] == (False, False)
 
 
-def test_an_attitude_that_repeats_itself_tells_no_more_which_way_up_it_lies():
-    """As flight 422 of seed 1919: it froze upright, then the vehicle turned over."""
-    navigation = Navigation()
-    vehicle_state = told(VehicleState(navigation), 1.0, roll=0.0, pitch=0.0)
-    for reason, doubtful in (("missing", False), ("frozen", True)):
-        navigation.doubt["attitude"] = reason
-        vehicle_state.at(2.0)
-        assert vehicle_state.seen_rising[2:] == (False, doubtful)
+@pytest.mark.parametrize("thrust", [0.0, 0.1])
+@pytest.mark.parametrize("angle", ["roll", "pitch"])
+@pytest.mark.parametrize(
+    ("degrees", "over"), [(0.0, False), (100.0, False), (170.0, True)], ids=["up", "side", "down"]
+)
+def test_an_attitude_that_repeats_itself_tells_no_more_which_way_up_it_lies(
+    degrees: float, over: bool, angle: str, thrust: float
+):
+    """As flight 422 of seed 1919: it froze upright, then the vehicle turned over. At rest it may
+    well repeat itself; and where a depth is known that tells whether a push down lifts."""
+    vehicle_state, frozen = VehicleState(), thrust > 0.0
+    for i in range(7):
+        turned = {"roll": 0.01 * i, "pitch": 0.01 * i, angle: math.radians(degrees + min(i, 2))}
+        told(vehicle_state, float(i), depth=None, actuators=(0.0, thrust), **turned)
+        repeats = frozen and i >= 6
+        assert vehicle_state.seen_rising[2:] == (
+            over and i >= 2 and not repeats,
+            repeats or (i < 2 and over),
+        )
+    told(vehicle_state, 7.0, depth=20.0, actuators=(0.0, thrust), **turned)
+    assert vehicle_state.seen_rising[1:] == (20.0, over, frozen)
 
 
 def test_without_navigation_a_finite_depth_is_believed_for_six_seconds():

@@ -171,13 +171,14 @@ class World:
         self.verdicts += out.verdicts
 
     def report(self, **changes: object) -> Telemetry:
+        sways = 1e-6 * math.sin(self.t)  # an attitude that stands to the last bit is frozen
         base = Telemetry(
             t=self.t,
             depth=self._trembling(self.depth),
             altitude=self._trembling(self.altitude),
             heading=self.heading,
-            pitch=0.0,
-            roll=self.roll,
+            pitch=sways,
+            roll=self.roll + sways,
             temperature_c=15.0,
             actuators=NEUTRAL if self.stops and self.is_stopped else self.actuators,
             batteries=(12.0, 48.0),
