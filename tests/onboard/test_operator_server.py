@@ -182,6 +182,33 @@ def test_every_stick_is_heard_of_whoever_holds_it_and_by_whatever_path(pi: Pi) -
     assert pi.target.sticks == [1.0, 2.0, 3.0]
 
 
+BEYOND = (b"@MMD13$", b"@MT9,5$", b"@MDA2,99$", b"@MRX1$", b"@MS1.5,0$", b"xx@MMD13$", b"@MP9$")
+
+
+@pytest.mark.parametrize("peer", [BOAT, OTHER, WATER])
+@pytest.mark.parametrize("word", BEYOND)
+def test_a_stick_beyond_its_range_is_heard_of_and_moves_nothing(
+    pi: Pi, word: bytes, peer: Peer
+) -> None:
+    """R6, G4: its word is refused whole, by no answer, and it is held all the same."""
+    assert pi.hear(word, 1.0, peer) == []
+    assert pi.later(1.5) == []
+    assert (pi.target.decided, pi.target.relayed) == ([], [])
+    (heard,) = pi.target.sticks
+    assert 1.0 <= heard <= 1.5
+    assert pi.hear(StoreQuery(), 1.6)[0].startswith(b"@AR,empty,0,0,,,manual: ")
+
+
+def test_a_stick_held_beyond_its_range_for_long_is_heard_of_until_it_is_eased(pi: Pi) -> None:
+    """25 times a second there is no pause in which its faults would be told one by one."""
+    pi.hear(b"@MMF3$", 0.0, BOAT)
+    for i in range(500):
+        pi.hear(b"@MMD13$", 1.0 + 0.04 * i, OTHER)
+    pi.hear(b"@MMD12$", 21.0, OTHER)
+    assert pi.target.sticks[0] == 21.0
+    assert pi.target.decided[-1] == Manual("MM", b"@MMD12$")
+
+
 def test_manual_never_goes_over_the_modem(pi: Pi) -> None:
     pi.hear(b"@MMF3$", 0.0, WATER)
     assert (pi.target.decided, pi.target.relayed) == ([], [])
@@ -417,6 +444,11 @@ def test_a_command_with_a_value_out_of_range_is_refused_whole(
     assert (opened(answers) if peer is WATER else b"".join(answers)) == refusal + b"@ACK_NI\x2f$"
     assert pi.topside.faults()
     assert pi.target.decided == []
+
+
+def test_a_refused_command_that_is_alone_in_its_content_is_answered_too(pi: Pi) -> None:
+    """G3: with the content it is at its end, however soon that came behind its begin."""
+    assert opened(pi.hear(b"@NSXOOOOO$", 0.0, WATER)) == b"@ACK_NSN$"
 
 
 def test_a_safety_set_with_the_wrong_count_is_not_answered(pi: Pi) -> None:

@@ -468,6 +468,22 @@ def test_a_silent_topside_is_a_limit_where_configured(asks: bool) -> None:
     assert boat.runtime.state == ("autonomous/a" if asks else SURFACING)
 
 
+@pytest.mark.parametrize("held", [b"@MMD12$", b"@MMD13$"])
+def test_a_held_stick_takes_no_emergency_over_when_it_is_eased_into_its_range(held: bytes) -> None:
+    boat = Boat()
+    for i in range(60):
+        boat.until(5.0 + 0.1 * i)
+        boat.say(held)
+        if i == 20:
+            boat.say(b"@ZAWF$")
+    boat.until(11.0)
+    boat.say(b"@MMD12$")
+    assert boat.runtime.state == SURFACING
+    boat.until(13.0)
+    boat.say(b"@MMD12$")
+    assert boat.runtime.state == "manual/driving"
+
+
 # --- any bytes ----------------------------------------------------------------------------------------
 
 FRAMES = [

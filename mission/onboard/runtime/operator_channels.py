@@ -5,7 +5,8 @@
                  (R15); X and W are heard in whatever comes (``obeyed``)
 
 A command whose frame is whole but whose value is not (G4) is heard as ``Unfit``, so that it can be
-answered N; what is no frame at all, or has the wrong number of fields (E-V2), is a fault alone.
+answered N; what is no frame at all, or has the wrong number of fields (E-V2), is a fault alone. A
+stick in whatever is a fault is ``Unfit``, too: somebody holds it (R6).
 
 What does not live here: envelope and turns (protocol.modem, protocol.arq), what is answered
 (topside).
@@ -13,6 +14,8 @@ What does not live here: envelope and turns (protocol.modem, protocol.arq), what
 
 from __future__ import annotations
 
+import math
+import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -30,7 +33,8 @@ from protocol.topside import TopsideCodec, encode
 
 @dataclass(frozen=True, slots=True)
 class Unfit:
-    """A command that is refused whole; ``code`` is what an N answers, ``AW`` and the like."""
+    """A command that is refused whole; ``code`` is what an N answers, ``AW`` and the like, or
+    ``STICK``, which nothing answers."""
 
     code: str
     fault: FrameFault
@@ -38,6 +42,8 @@ class Unfit:
 
 Heard = Command | FrameFault | Unfit
 
+STICK = "manual"  # as a refusal has it
+_STICK = re.compile(rb"@M[TDMRSP][^@$]*\$")  # whatever its value
 _ANSWERED = ("NS", "AW", "ST", "SP")  # those with values that may be unfit
 _UNFIT = ("out_of_range", "bad_enum", "non_numeric")
 _LONGEST = 512  # bytes that a fault may reach back
@@ -64,13 +70,15 @@ class _Listener:
         return self._codec.next_timer()
 
     def _named(self, item: Command | FrameFault) -> Heard:
-        if not isinstance(item, FrameFault) or item.kind not in _UNFIT:
+        if not isinstance(item, FrameFault):
             return item
         begin = item.offset - self._offset
         raw = self._recent[max(begin, 0) : begin + item.length]
         code = raw[1:3].decode("ascii", "replace")
         whole = begin >= 0 and raw.startswith(b"@") and raw.endswith(b"$")
-        return Unfit(code, item) if whole and code in _ANSWERED else item
+        if whole and code in _ANSWERED and item.kind in _UNFIT:
+            return Unfit(code, item)
+        return Unfit(STICK, item) if _STICK.search(raw) else item
 
 
 class OperatorChannel(Protocol):
@@ -142,7 +150,7 @@ class ModemChannel:
                 heard.append(item)
                 continue
             codec = _Listener(self._tolerances)  # a content holds whole frames: nothing carries
-            content = codec.receive(item.content, item.t) + codec.flush(now)
+            content = codec.receive(item.content, item.t) + codec.flush(math.inf)
             heard += self._obeyed.left_of(content, now)
         return heard
 

@@ -34,7 +34,7 @@ from mission.onboard.runtime.commander import Commander
 from mission.onboard.runtime.copies import Copies
 from mission.onboard.runtime.device_switches import LINK as NODES
 from mission.onboard.runtime.device_switches import NAMES, OPEN, DeviceSwitches
-from mission.onboard.runtime.operator_channels import Heard, OperatorChannel, Unfit
+from mission.onboard.runtime.operator_channels import STICK, Heard, OperatorChannel, Unfit
 from mission.onboard.runtime.pending_answers import PendingAnswers
 from mission.onboard.runtime.refusals import Refusals, refused_set
 from mission.onboard.runtime.uploads import Uploads
@@ -88,8 +88,7 @@ class OperatorServer:
         self._switching: tuple[list[Peer], NodeSwitch] | None = None
         self.refusals = Refusals()
         self._told = -math.inf  # when a refused relay was
-        self._out: list[Tx] = []
-        self._faults: list[tuple[Peer, FrameFault]] = []
+        self._out, self._faults = list[Tx](), list[tuple[Peer, FrameFault]]()
 
     # --- connections ---------------------------------------------------------------------
 
@@ -182,7 +181,9 @@ class OperatorServer:
     def _refuse_unfit(self, peer: Peer, unfit: Unfit, now: float) -> None:
         self._faults.append((peer, unfit.fault))
         self.refusals.note(unfit.code, unfit.fault.kind, now)
-        if self._answer_no:
+        if unfit.code == STICK:
+            self._target.hear_stick(now)
+        elif self._answer_no:
             self._send(peer, answer(unfit.code, False, now), now, unfit.fault.kind)
 
     def _command(self, peer: Peer, command: Command, now: float, said: float) -> None:
@@ -236,9 +237,8 @@ class OperatorServer:
         if isinstance(command, Manual):
             return self._manual(peer, command, now)
         if isinstance(command, StartMission) and self._uploads.incomplete(now):
-            return Verdict(
-                False, f"the upload is incomplete: lines {self._uploads.missing} missing"
-            )
+            missing = self._uploads.missing
+            return Verdict(False, f"the upload is incomplete: lines {missing} missing")
         if peer.link == MODEM and not may_come_by_modem(command):
             return Verdict(False, f"@{name_of(command)} is not taken over the modem")
         verdict = self._target.decide(command, now)
