@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import pytest
@@ -11,6 +12,7 @@ from links.simulated.boards import SimulatedBoard
 from links.simulated.link import START, SimulatedVehicle
 from mission.analysis.replay.replay import replay
 from mission.authoring.language import parse, script
+from mission.engine.engine import Engine, Input
 from mission.model import Tx
 from mission.model.alarms import ALARMS, alarms_of
 from mission.model.shipped import load_vehicle
@@ -21,7 +23,7 @@ from mission.onboard.runtime.situation import TREND_EVERY_S, Situation
 from mission.onboard.serve.health import of_drive
 from mission.onboard.serve.view import view
 from mission.onboard.store import MemoryStore, Stored
-from protocol.messages import Fix, StateReport, Telemetry
+from protocol.messages import Emergency, Fix, Order, StateReport, Telemetry
 from protocol.state_frame import MOST
 from protocol.topside import ConsoleCodec
 
@@ -218,6 +220,48 @@ def test_a_battery_that_falls_to_its_limit_is_an_alarm_in_time() -> None:
         assert bool(words) == alarmed
         if fall > 0:
             assert left == pytest.approx(2.0 / fall - 590.0, rel=0.01)
+
+
+def told_at(depths: Sequence[float | None], fixes: range, *, stuck: bool = False) -> list[float]:
+    """When the one @VS leaves that nobody asked for (R11); a report a second, and an X at 10 s."""
+    engine = Engine(VEHICLE)
+    situation, told = Situation(engine, VEHICLE, True), []
+    for second, depth in enumerate(depths):
+        t = float(second)
+        inputs: list[Input] = [Telemetry(t, depth=depth)]
+        situation.report(Telemetry(t, depth=depth))
+        if second in fixes:
+            place = Fix(t, 0.5 if stuck else 0.5 + 1e-8 * t, 2.0, 1.5)
+            situation.take_fix(place)
+            inputs.append(place)
+        if second == 10:
+            inputs.append(Emergency(Order.STOP))
+        for step in engine.step(t, inputs).steps:
+            situation.note(step)
+        if situation.owes_report(t):
+            told.append(t)
+    return told
+
+
+UP_AT_20 = [0.2] * 9 + [0.7 + 0.2 * i for i in range(6)] + [1.7 - 0.25 * i for i in range(6)]
+
+
+@pytest.mark.parametrize(
+    ("depths", "fixes", "stuck", "told"),
+    [
+        (UP_AT_20, range(9), False, [20.0]),  # the last fix is of just before it dived
+        (UP_AT_20, range(40), True, [20.0]),
+        ([0.2] * 9 + [3.0] * 15, range(40), True, []),
+        ([0.2] * 9 + [0.7] * 15, range(12, 40), False, [12.0]),  # a zero that is a little off
+        ([0.2] * 9 + [None] * 15, range(15, 40), False, [20.0]),  # where no depth is believed
+        ([0.2] * 9 + [None] * 15, range(40), True, []),
+        ([0.2] * 9 + [None] * 15, range(15, 18), False, []),
+    ],
+)
+def test_the_status_that_nobody_asked_for_leaves_at_the_surface_as_the_engine_knows_it(
+    depths: list[float | None], fixes: range, stuck: bool, told: list[float]
+) -> None:
+    assert told_at(depths, fixes, stuck=stuck) == told
 
 
 def located(gps: bool, *reports: Telemetry, fix: Fix | None = None) -> Situation:

@@ -19,6 +19,7 @@ from mission.model.alarms import Condition, mask_of, standing
 from mission.model.regions import EMERGENCY, MANUAL
 from mission.model.vehicle import Vehicle
 from mission.navigation.distribution import around_95
+from mission.navigation.fixes import FIX_DEPTH, SETTLED
 from mission.onboard.runtime.command_target import MODEM, Peer, one_line
 from mission.onboard.runtime.refusals import DOUBT_S
 from protocol.messages import Fix, Order, Setpoint, StateReport, Telemetry
@@ -57,7 +58,8 @@ class Situation:
         if not (self._owes_report and self._has_news):
             return False
         self._has_news = False
-        is_due = not self._engine.state.startswith((AUTONOMOUS, MANUAL)) and self._afloat(now)
+        under_way = self._engine.state.startswith((AUTONOMOUS, MANUAL, SURFACING))
+        is_due = not under_way and self._afloat(now)
         self._owes_report = not is_due
         return is_due
 
@@ -91,14 +93,12 @@ class Situation:
         return STICK if self._engine.state == MANUAL_DRIVING else setpoint_text(self._said)
 
     def _afloat(self, now: float) -> bool:
-        """By a report or a fix, and not surfacing any more; what drives is, wherever it is."""
-        depth = self.telemetry.depth if self.telemetry else None
-        if self._vehicle.drives and self.telemetry is not None:
-            depth = 0.0
-        fixed = self.fix is not None and now - self.fix.t <= FRESH_FIX_S
-        return self._engine.state != SURFACING and (
-            fixed or (depth is not None and depth < AT_SURFACE_M)
-        )
+        """As the engine knows it: by a depth, or by fixes that none contradicts."""
+        known = self._engine.core.vehicle_state
+        depth = known.depth if self.telemetry is not None else None
+        if depth is None:
+            return known.receiver.settled(now) >= SETTLED
+        return depth < AT_SURFACE_M or (depth < FIX_DEPTH and known.fixed(now - FRESH_FIX_S))
 
     def condition(
         self, refusal: str, refused_at: float, now: float, receivers: str = ""
