@@ -34,6 +34,7 @@ from mission.onboard.runtime.records import (
 from mission.onboard.runtime.runtime import CLOCK, Runtime
 from mission.onboard.store import MemoryStore, Stored, StoreError
 from protocol.messages import MissionLine, SetSafety
+from protocol.modem import Sender, wrap
 from protocol.nmea import encode_gga, encode_rmc
 from protocol.topside import encode
 
@@ -466,6 +467,23 @@ def test_a_silent_topside_is_a_limit_where_configured(asks: bool) -> None:
         if asks:
             boat.say(b"@DU$")
     assert boat.runtime.state == ("autonomous/a" if asks else SURFACING)
+
+
+@pytest.mark.parametrize("head", [b"", b"#\x02\x40\x00\x01"])
+def test_a_frame_that_the_clock_makes_whole_is_heard_from_topside(head: bytes) -> None:
+    """G3: noise that looks like a content is given up, and what stood behind it is answered."""
+    boat = Boat(configuration=Configuration(topside_silence=8.0))
+    boat.upload()
+    boat.until(4.0)
+    boat.say(b"@AA$")
+    boat.leave(boat.runtime.connected("modem", "", boat.now))
+    for i in range(2):
+        boat.until(10.0 + 4.0 * i)
+        content = head + wrap(b"@DU$", Sender.TOPSIDE)
+        boat.leave(boat.runtime.receive(Rx(boat.now, "modem", content)))
+    boat.until(16.0)
+    assert len([tx for tx in boat.sent if tx.link == "modem"]) == 2
+    assert boat.runtime.state == "autonomous/a"
 
 
 @pytest.mark.parametrize("held", [b"@MMD12$", b"@MMD13$"])

@@ -141,7 +141,6 @@ class Runtime:
             self._topside.changed(rx.data, now)
         else:
             self._topside.receive(Peer(rx.link, rx.address), rx.data, now, rx.t)
-            self._engine.hear_topside(self._topside.commander.heard_at)
         return self._leave(now)
 
     def connected(self, link: str, address: str, now: float) -> list[Tx]:
@@ -272,6 +271,7 @@ class Runtime:
                 self._step(now, (message,))
 
     def _step(self, now: float, inputs: Sequence[Input]) -> tuple[Verdict, ...]:
+        self._engine.hear_topside(self._topside.commander.heard_at)  # by whatever input it was
         outputs = self._engine.step(now, inputs)
         for step in outputs.steps:
             self._record(rec.step_record, step)
