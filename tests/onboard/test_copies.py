@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 from topside_world import BOAT, LINES, OTHER, WATER, Pi, opened
 
+from mission.model import STOPPED
 from mission.onboard.runtime.copies import AGAIN_S, LATE_S, REMEMBERED, Copies
 from protocol.messages import (
     ClearMission,
@@ -105,6 +106,17 @@ def test_a_refused_clear_may_be_said_again_by_modem(pi: Pi) -> None:
     assert by_modem(pi, ClearMission(), 0.0) == b"@ACK_ACN$"
     pi.target.refuses = ""
     assert by_modem(pi, ClearMission(), 10.0) == b"@ACK_ACC$"
+
+
+@pytest.mark.parametrize("late", [0.5, 10.0, LATE_S - 1.0])
+def test_one_press_of_clear_that_comes_by_both_ways_is_no_second_wish(pi: Pi, late: float) -> None:
+    """R7: said twice it is obeyed under water; whoever says it twice by the network means it."""
+    pi.target.refuses, pi.target.state = "clear it at the surface", STOPPED
+    assert pi.hear(ClearMission(), 0.0, BOAT) == [b"@ACK_ACN$"]
+    pi.target.refuses = ""
+    assert by_modem(pi, ClearMission(), late) == b"@ACK_ACN$"
+    assert pi.target.decided == [ClearMission()]
+    assert pi.hear(ClearMission(), late + 0.5, BOAT) == [b"@ACK_ACC$"]
 
 
 def test_a_late_line_neither_drops_nor_changes_another_mission(pi: Pi) -> None:

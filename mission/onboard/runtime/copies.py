@@ -8,7 +8,8 @@
 Bytes do not tell a copy from a new wish. Who means it says it by the network, and once more 5 s
 after that was refused (one who asks by the network asks for 3 s alone); or waits until the 2 min
 are over; or says something else. A refused @AC and a refused line of a mission may be said again
-at once, which is their rule (R7, R3). X, W and M are never copies, nor is @ST, which is refused by
+at once, which is their rule (R7, R3); but one press of @AC by both ways is no second wish: by modem
+the network's is a copy. X, W and M are never copies, nor is @ST, which is refused by
 modem. By the network alone nothing is: a connection keeps its order, and asks one thing at a time.
 
 What does not live here: what is in force (topside), who may command (commander).
@@ -27,8 +28,6 @@ LATE_S = 120.0  # a copy may come so much later
 TWICE_S = 5.0  # an increment by both paths
 AGAIN_S = 5.0  # after a refusal: longer than the tries of one command last
 REMEMBERED = 20_000  # commands: two of the longest uploads
-
-_REPEATED = (ClearMission, MissionLine)  # once they were refused
 
 
 @dataclass(slots=True)
@@ -96,6 +95,12 @@ def _may_be_copy(said: _Said, peer: Peer, command: Command, now: float) -> bool:
         return False
     if isinstance(command, MissionLine) and peer.link != MODEM:
         return False
-    if not said.accepted and (peer.link != MODEM or isinstance(command, _REPEATED)):
+    if not said.accepted and (peer.link != MODEM or _may_be_repeated(said, command)):
         return False
     return now - said.t < LATE_S
+
+
+def _may_be_repeated(said: _Said, command: Command) -> bool:
+    """By modem, once it was refused."""
+    by_modem = said.peer.link == MODEM
+    return isinstance(command, MissionLine) or (isinstance(command, ClearMission) and by_modem)
