@@ -15,6 +15,7 @@ from typing import Any
 
 from mission.analysis.extremes import TRACKED_BY
 from mission.engine.vehicle_state import THRUSTERS
+from mission.engine.words import in_words
 from mission.model import STOPPED, SURFACED, SURFACING, Position, Step
 from mission.model.regions import EMERGENCY, IDLE
 from mission.model.shown import clock
@@ -22,6 +23,7 @@ from mission.navigation.geodesy import LocalFrame
 from mission.onboard.stream.derived import Message
 from mission.onboard.stream.events import HELD_UP, reason_of
 from mission.onboard.stream.topics import FIX, STATE, TELEMETRY
+from protocol.messages import Order
 
 DRIFT_S = 60.0
 _LEAST_S, _LEAST_FIXES = 8.0, 5  # from less nothing is told of a drift
@@ -50,6 +52,8 @@ class Lastly:
         if step.entered:
             self._path, self._since = step.entered[-1], step.t
             self._held = self._path == SURFACED and reason_of(step) == HELD_UP
+        elif self._held and any(words.startswith(in_words(Order.STOP)) for words in step.actions):
+            self._held, self._since = False, step.t
 
     def receive(self, message: Message) -> None:
         said = message.value

@@ -169,19 +169,21 @@ class Core(Flying):
         self.ascent = self.stop_at = self.stopped_at = None
 
     def climb(self) -> None:
-        """Goes on with the emergency's ascent, or ends it at the surface."""
+        """Goes on with the emergency's ascent, or ends it at the surface; what sinks when it is let
+        go is held up there, where AUTO is open."""
         if self.ascent is None:
             return
+        holds = self._sank and self.auto
         now, depth, overturned, doubtful = self.vehicle_state.seen_rising
         if not self.vehicle_state.surfaced(max(self.ascent.began, now - SURFACE_TIME)):
             if actions := self.ascent.act(now, depth, overturned, doubtful):
                 self._record(actions)
-        elif self._sank and (lift := self.ascent.lifts(now, depth, overturned or doubtful)):
+        elif holds and (lift := self.ascent.lifts(now, depth, overturned or doubtful)):
             self._record(lift)
         elif self.ascent.is_up(now):
             why = f"{self.reason}; at the surface"
             words: tuple[Action, ...] = ()
-            if self._sank and self.ascent.pushes_up:
+            if holds and self.ascent.pushes_up:
                 why = f"{why}, and held up: it sank when it was let go"
                 self.hold, self.let_go_at = Hold(self.ascent.push, now, now), -math.inf
                 if self.ascent.way != self.hold.way:
@@ -197,8 +199,8 @@ class Core(Flying):
             self.let_go_at, self.hold = self.now, None
 
     def hold_up(self, why: str) -> None:
-        """Says again what holds it up at the surface, unless nothing may turn by itself."""
-        if self.hold is not None and self.auto:
+        """Says again what holds it up at the surface."""
+        if self.hold is not None:
             self.hold = Hold(self.hold.way, self.hold.since, self.now)
             self._record((Action(self.hold.way, f"{self.reason}: {why}"),))
 
@@ -292,13 +294,17 @@ class Core(Flying):
         self._move("forgotten", target, "no M for a minute, at the surface", (), None)
 
     def auto_off(self) -> None:
-        """Ends the mission when node AUTO is closed (R13); in autonomous everything is stopped."""
+        """Ends the mission when node AUTO is closed (R13), and lets go of what is held up; either
+        way everything is stopped."""
         why = "node AUTO was closed"
         if self.region == AUTONOMOUS:
             self._move("auto off", IDLE_READY, why, self._stop(why), By.OPERATOR)
             self.halt_run()
         elif self.region == MANUAL:
             self.halt_run()
+        elif self.hold is not None:
+            self.stop_quietly(f"{why}: what was held up is let go")
+            self._let_go()
 
     def limit(self, row: Limit) -> None:
         why = f"limit {row.name}: {row.why(self.watch)}"

@@ -872,6 +872,17 @@ def test_upward_thrust_that_holds_a_heavy_vehicle_up_is_told_with_what_ends_it()
     assert "take hold of it before anybody says stop or clear" in second
 
 
+def test_what_was_held_up_and_is_let_go_is_told_as_stopped_from_then_on() -> None:
+    """By a step that leaves no state: AUTO was closed."""
+    lastly = Lastly()
+    lastly.step(moved(5.0, "emergency/surfaced"))
+    lastly.receive(Message(TELEMETRY, 9.0, {"actuators": {"rear_vert": 1.0}}))
+    lastly.step(replace(moved(10.0, "", "everything stopped: node AUTO was closed"), entered=()))
+    first, second, *_ = lastly.says(11.0, None, True)
+    assert first.endswith("It was stopped after that, and has told nothing of them since.")
+    assert "take hold of it" not in second
+
+
 def test_of_several_recordings_distances_are_from_the_home_of_the_first() -> None:
     first, second = begun(0.0, HEAVY), begun(200.0, AGAIN)
     before, after = Teller(first), Teller(second)

@@ -244,29 +244,97 @@ def held_up() -> World:
     return world
 
 
-@pytest.mark.parametrize(("auto", "again"), [(True, [UPWARD]), (False, [])])
-def test_what_holds_it_up_is_said_again_behind_a_line_that_was_away(auto: bool, again: list):
+def test_what_holds_it_up_is_said_again_behind_a_line_that_was_away():
     world = held_up()
     world.depth = None
     world.wait(2.0)
-    world.tell(AutoNode(auto))
     said = len(world.actions)
     world.tell(LineOpened())
-    assert world.commands()[said:] == again
+    assert world.commands()[said:] == [UPWARD]
 
 
-@pytest.mark.parametrize(("auto", "again"), [(True, 3), (False, 0)])
-def test_what_holds_it_up_is_said_again_while_reports_show_it_off(auto: bool, again: int):
+def test_what_holds_it_up_is_said_again_while_reports_show_it_off():
     """By two reports each time: one may have left before it was heard."""
     world = held_up()
     world.depth = None
-    world.tell(AutoNode(auto))
     said = len(world.actions)
     world.wait(20.0)
     assert len(world.actions) == said
     world.actuators = (0.0,) * 5
     world.wait(10.0)
-    assert world.commands()[said:] == [UPWARD] * again
+    assert world.commands()[said:] == [UPWARD] * 3
+
+
+def test_what_is_held_up_is_let_go_when_auto_is_closed_and_until_it_is_acknowledged():
+    """A hand may be at a thruster: a stop as any other."""
+    world = held_up()
+    world.answer, world.stops = None, False
+    said = len(world.actions)
+    world.tell(AutoNode(False))
+    world.wait(10.0)
+    assert world.commands()[said:] == [Order.STOP] * 21, "every 500 ms"
+    world.answer, world.stops = Result.ACCEPTED, True
+    world.wait(0.5)
+    said = len(world.actions)
+    world.tell(LineOpened())
+    world.wait(30.0)
+    assert set(world.commands()[said:]) == {Order.STOP}
+    assert (world.state, "node AUTO" in world.engine.reason) == (SURFACED, True)
+
+
+@pytest.mark.parametrize("blind", [True, False])
+def test_what_was_let_go_when_auto_was_closed_sinks_until_it_is_open(blind: bool):
+    """Also where nobody saw it sink: by the first depth that is told again."""
+    world = held_up()
+    said = len(world.actions)
+    world.tell(AutoNode(False))
+    if blind:
+        world.depth = None
+        world.wait(60.0)
+        world.depth = 5.0
+    else:
+        sink(world, 0.3, 5.0)
+    world.wait(60.0)
+    assert set(world.commands()[said:]) == {Order.STOP}
+    assert world.state == SURFACED
+    world.tell(AutoNode(True))
+    world.wait(4.0)
+    assert world.state == SURFACING
+    world.depth = 0.2
+    world.wait(20.0)
+    assert world.commands()[-1] == UPWARD
+    assert "held up" in world.engine.reason
+
+
+def test_what_was_let_go_when_auto_was_closed_and_is_opened_at_once_comes_up_by_its_fixes():
+    world = held_up()
+    world.depth = None
+    told_fixes(world, 10)
+    world.tell(AutoNode(False), AutoNode(True))
+    assert world.commands()[-1] is Order.STOP
+    world.wait(10.0)
+    assert world.state == SURFACING
+
+
+@pytest.mark.parametrize("way", [UPWARD, Order.STOP])
+def test_an_ascent_goes_on_while_auto_is_closed_and_lets_go_at_the_surface(way):
+    """It never gives up; but full thrust begins nothing at the surface, and holds nothing there."""
+    world = at_rest(SURFACED)
+    sink(world, 0.3, 9.0)
+    world.depth = 4.0
+    world.tell(AutoNode(False))
+    world.wait(60.0)
+    assert {UPWARD, Order.SURFACE, Order.STOP} <= set(world.commands()[1:])
+    while world.commands()[-1] != way:
+        world.wait(1.0)
+    assert world.state == SURFACING
+    world.depth = 0.2
+    said = len(world.actions)
+    world.wait(8.0)
+    assert world.state == SURFACED
+    assert set(world.commands()[said:]) == {Order.STOP}
+    world.wait(60.0)
+    assert set(world.commands()[said:]) == {Order.STOP}
 
 
 @pytest.mark.parametrize("fixes", [True, False])

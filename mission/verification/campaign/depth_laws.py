@@ -236,7 +236,8 @@ def _liftable(story: Story, begin: float, end: float) -> bool:
 
 
 def _is_held_up(story: Story) -> Iterator[Violation]:
-    """Nobody else having a say in between, a body that sinks out of surfaced does so once."""
+    """Nobody else having a say in between, AUTO that is closed included, a body that sinks out of
+    surfaced does so once."""
     sank = False
     for stay in story.stays:
         if stay.state not in (SURFACING, SURFACED):
@@ -250,6 +251,8 @@ def _is_held_up(story: Story) -> Iterator[Violation]:
             if again and sank and not free:
                 yield Violation(SUNK, stay.begin, "sank out of surfaced again: it was not held up")
             sank = again or (sank and _by_itself(stay))
+        elif story.auto_closed(stay.begin, stay.end):
+            sank = False
 
 
 def _by_itself(stay: Stay) -> bool:

@@ -7,7 +7,8 @@
     stick      no stick that is held, and none in neutral, takes an emergency over (R6); 2 s without
                M everything is stopped, a minute later manual is left
     commander  one connection commands while it is heard (R12)
-    AUTO       closed, and no mission goes on or begins, and nothing at rest turns by itself (R13)
+    AUTO       closed, and no mission goes on or begins, nothing at rest turns by itself (R13), and
+               nothing is held up at the surface
     gap        20 ms between two frames on the line
     refused    a set that is answered N: the leg's else (refusal_laws)
     blind      a leg that needs a reading which fails is left within 6 s of that being known
@@ -71,7 +72,7 @@ _RELAYED = 2.0  # s from a word to the answer of its relay
 _M = re.compile(rb"@M[TDMRSP][^@$]*\$")
 _ACKNOWLEDGED = re.compile(rb"@ACK_Z[XA]Y\$")
 _ACCEPTED = re.compile(rb"@ACK_(?:(?:AA|AC|SP|ST|AW|NS|RS)[^N]|RI.)\$", re.DOTALL)
-_NODE = 1.0  # s
+_NODE, _LET_GO = 1.0, 1.0  # s
 _ORDER = re.compile(rb"@ZA(X0|WF)\$")
 _ENDS_AT_ONCE = (Act.HURRY, Act.DIE_BEFORE, Act.DIE_AFTER)
 
@@ -360,6 +361,19 @@ def _auto_closed(story: Story) -> Iterator[Violation]:
             if inside and (stay.autonomous or (turned and _by_limit(stay))):
                 yield Violation(UNLAWFUL, closed, f"node AUTO is closed, and then {stay.state}")
                 return
+            if inside and stay.state == SURFACED:
+                yield from _is_let_go(story, max(stay.begin, closed), min(stay.end, until))
+
+
+def _is_let_go(story: Story, begin: float, end: float) -> Iterator[Violation]:
+    """The last word of before is a stop, and nothing else is said."""
+    if story.board is not None or story.hindered(begin - _LET_GO, end):
+        return
+    orders = [w for w in story.words_in(0.0, end - 2.0 * SAME) if w.data.startswith(b"@ZA")]
+    before = sum(w.t <= begin + _LET_GO for w in orders)
+    if others := [w.data for w in orders[max(before - 1, 0) :] if w.data != STOP_WORD]:
+        says = f"node AUTO is closed, and in {SURFACED} {others[0]!r}"
+        yield Violation(UNLAWFUL, begin, says)
 
 
 def _at_rest(state: str) -> bool:

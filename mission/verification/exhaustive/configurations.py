@@ -208,6 +208,14 @@ def _surfaced(world: World) -> None:
     rise(world)
 
 
+def _held_up(world: World) -> None:
+    """Sunk out of surfaced, and at the surface again by thrust."""
+    _surfaced(world)
+    while world.state == SURFACED:
+        world.go(0.4, 2.0)
+    rise(world)
+
+
 def _deaf_at_the_end(world: World) -> None:
     _surface(world)
     world.put(SHALLOW)
@@ -276,6 +284,8 @@ WAYS: tuple[Way, ...] = (
     Way("surfacing, stick held", SURFACING, "under_way", _chain(_stick, _surface), **_E),
     Way("surfaced", SURFACED, "under_way", _surfaced, preceded=True),
     Way("surfaced, empty", SURFACED, "empty", _surfaced, loaded=False, preceded=True),
+    Way("surfaced, AUTO closed", SURFACED, "under_way", _chain(_held_up, _auto_off), auto=False,
+        **_E, needs=_WET),
     Way("surfaced, unanswered", SURFACED, "under_way", _deaf_at_the_end, quiet=False, **_E,
         needs=_ANSWERED),
 )

@@ -53,7 +53,7 @@ def _ends_upward(cell: Cell) -> Verdict:
 
 def _sinks_again(cell: Cell) -> bool:
     """Out of surfaced, and nobody will be there to bring it up."""
-    deep = cell.world.sea.depth >= AT_SURFACE
+    deep = cell.world.sea.depth >= AT_SURFACE and cell.configuration.auto
     return "last" in cell.event.causes and cell.world.ended_in == SURFACED and deep
 
 

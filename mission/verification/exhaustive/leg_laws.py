@@ -76,8 +76,9 @@ def _real(cell: Cell) -> bool:
     if limit == "heading does not follow":
         return kept and plain and state is not None and state.heading is not None
     if limit == "no progress":
-        asked = state.depth if state is not None else None
-        return kept and plain and asked is not None and abs(asked - cell.world.deep) > _OFF
+        if state is None or state.depth is None or state.altitude is not None:
+            return False  # above the bottom it is told a shallower one
+        return kept and plain and abs(state.depth - cell.world.deep) > _OFF
     if limit == "course against heading":
         return kept and plain and state is not None and state.surge >= _AHEAD
     if limit == "brown-out":

@@ -8,11 +8,12 @@ from __future__ import annotations
 from mission.model import MANUAL_WAITING, STOPPED, SURFACED, SURFACING
 from mission.verification.exhaustive.cell import Cell
 from mission.verification.exhaustive.laws import DEEP_REST, Law, Verdict, stays_down, wrong
-from mission.verification.exhaustive.lines import U12, WATER, W
+from mission.verification.exhaustive.lines import U12, WATER, W, X
 
 _BLIND = 6.5  # s after which a depth that is not told is not believed
 _LATE = 3.0  # s: a report, and the line
 _ASKED = frozenset({"X", "W", "M", "AA", "AC", "NS", "restart", "minute", "silence", "line"})
+_MAY_TURN = frozenset({"W", "NS", "restart"})  # behind the last two AUTO is open
 
 
 def _rests(cell: Cell) -> bool:
@@ -25,12 +26,9 @@ def _upward(cell: Cell) -> list[bytes]:
 
 
 def _brought_up(cell: Cell) -> Verdict:
-    """What sinks from rest is brought up, except while AUTO is closed: nothing turns by itself
-    then."""
-    if not _rests(cell) or "sinks" not in cell.event.causes:
+    """What sinks from rest is brought up, but while AUTO is closed."""
+    if not (_rests(cell) and cell.configuration.auto) or "sinks" not in cell.event.causes:
         return None
-    if not cell.configuration.auto:
-        return wrong((bool(_upward(cell)), f"{_upward(cell)[:1]} left while AUTO was closed"))
     return wrong(
         (cell.state != SURFACING, f"{cell.world.sea.depth:.1f} m deep, the state is {cell.state}"),
         (U12 not in _upward(cell), "no U12 left"),
@@ -59,9 +57,19 @@ def _blind_at_rest(cell: Cell) -> Verdict:
     return wrong((bool(_upward(cell)), f"{_upward(cell)[:1]} left, and the depth is not known"))
 
 
+def _auto_closed(cell: Cell) -> Verdict:
+    """R7, R13: a hand may be at a thruster. What was held up at the surface is let go, too: the
+    last word is a stop, from whenever."""
+    if not _rests(cell) or cell.configuration.auto or cell.event.causes & _MAY_TURN:
+        return None
+    said = {t.data for t in [*cell.frames(b"@ZA", 0)[-1:], *cell.frames(b"@ZA")]} - {X}
+    return wrong((bool(said), f"{said} while AUTO is closed"))
+
+
 _WET = frozenset({WATER})
 REST_LAWS: tuple[Law, ...] = (
     Law("what sinks from rest is brought up by thrust", "R7", _brought_up, needs=_WET),
     Law("a stop leaves nobody below for longer than 20 s", "R7", _not_left_below, needs=_WET),
+    Law("nothing turns by itself while AUTO is closed", "R7, R13", _auto_closed),
     Law("an unknown depth at rest turns no thruster", "R7", _blind_at_rest, needs=_WET),
 )

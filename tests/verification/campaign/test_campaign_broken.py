@@ -26,8 +26,10 @@ from mission.verification.campaign.broken import BROKEN, broken
 from mission.verification.campaign.draw import Drawn, Plan, draw, stage
 from mission.verification.campaign.faults import fly_plan, result_of
 from mission.verification.campaign.noticing import Flights, notice
+from mission.verification.campaign.scene import say
 from mission.verification.campaign.scene_texts import TEXTS, mission_of
 from mission.verification.campaign.scenes import SCENES
+from mission.verification.campaign.scenes_at_sea import AUTO_CLOSED, AUTO_OPEN
 from mission.verification.rig.acts import MODEM, TOPSIDE, Act, Disturbance
 from protocol.messages import MissionLine
 from protocol.modem import Sender, wrap
@@ -123,6 +125,23 @@ def test_a_depth_that_freezes_in_a_dive_lets_no_made_up_fix_end_the_ascent_below
     with broken("fixes too early"):
         found = judged(frozen)
     assert any(kind == "unlawful" and "surfaced, said" in says for kind, says in found)
+
+
+def test_what_is_held_up_is_let_go_and_sinks_while_auto_is_closed_and_its_thrust_is_noticed() -> (
+    None
+):
+    """Closed in its ascent, or where it is held up; opened, it is brought up and held up again."""
+    plan = stage("heavy_when_surfaced", 0)
+    (drawn,) = plan.incidents
+
+    def closing(t: float) -> Plan:
+        said = (*drawn.disturbances, say(t, AUTO_CLOSED), say(130.0, AUTO_OPEN))
+        return replace(plan, incidents=(replace(drawn, disturbances=said),))
+
+    assert judged(closing(105.0)) == judged(closing(116.0)) == set()
+    with broken("AUTO ends"):
+        found = judged(closing(116.0))
+    assert found == {("unlawful", "node AUTO is closed, and in emergency/surfaced b'@ZAU12$'")}
 
 
 def in_the_lagoon(*faults: FaultEvent) -> Plan:
