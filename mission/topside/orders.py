@@ -21,7 +21,7 @@ from __future__ import annotations
 from collections.abc import Callable, Generator
 from dataclasses import dataclass
 
-from mission.topside.upload import Ask, NoAnswer, OperatorError, Script, is_report
+from mission.topside.upload import Ask, NoAnswer, OperatorError, Script, is_ack, is_report
 from protocol.messages import Ack, DataQuery, Emergency, Order, Status, StoreQuery, StoreReport
 from protocol.topside import Answer
 
@@ -57,7 +57,7 @@ def order(
     """STOP or SURFACE. ``tell`` gets what is known before the reports are looked at. Raises
     NoAnswer, Contradicted, Unconfirmed."""
     what = WORDS[which]
-    answer = yield Ask(what, Emergency(which), _is_order_taken, tries=ORDER_TRIES, by_clock=True)
+    answer = yield Ask(what, Emergency(which), _is_taken(which), tries=ORDER_TRIES, by_clock=True)
     if answer is None:
         raise NoAnswer((yield from _why_no_answer(what)))
     tell(f"{what}: the vehicle has it; what its reports show is looked at now")
@@ -129,6 +129,7 @@ def _why_no_answer(what: str) -> Generator[Ask, Answer | None, str]:
     return f"the Pi has {what} and goes on sending it, but the STM32 has not acknowledged it"
 
 
-def _is_order_taken(answer: Answer) -> bool:
-    """As built, the STM32 answers every Z with the code A."""
-    return isinstance(answer, Ack) and answer.group == "Z" and answer.ok
+def _is_taken(which: Order) -> Callable[[Answer], bool]:
+    """By its own letter, as the Pi answers: another order's answer may still be on its way."""
+    is_own = is_ack("Z", "X" if which is Order.STOP else "W")
+    return lambda answer: is_own(answer) and isinstance(answer, Ack) and answer.ok

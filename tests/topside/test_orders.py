@@ -20,7 +20,9 @@ from mission.onboard.runtime.runtime import Runtime
 from mission.onboard.store import MemoryStore, Stored
 from mission.topside import console
 from mission.topside.orders import LOOKS, WORDS, Contradicted, Unconfirmed, order
+from mission.topside.underwater import Submerged
 from mission.topside.upload import Conversation, NoAnswer, OperatorError
+from protocol.arq import Acoustics
 from protocol.messages import (
     Ack,
     DataQuery,
@@ -30,9 +32,15 @@ from protocol.messages import (
     StoreReport,
     Telemetry,
 )
+from protocol.modem import Sender, wrap
+from protocol.topside import encode
 
 ON, OFF = (0.5, 0.5, 0.0, 0.0, 0.0, 0.2, 0.2), (0.0, 0.0, 0.0, 0.0, 0.0, 0.2, 0.2)
 STORE = StoreReport("running", 0, 0, "", "", "")
+TAKEN = {
+    Order.STOP: Ack(0.0, "Z", "X", ord("Y")),
+    Order.SURFACE: Ack(0.0, "Z", "W", ord("Y")),
+}
 
 
 def seen(second: int, depth: float | None = None, actuators: tuple[float, ...] = ()) -> Status:
@@ -50,7 +58,7 @@ def ordered(which: Order, told: list[Status | None], store: StoreReport = STORE)
     try:
         while True:
             if isinstance(ask.command, Emergency):
-                ask = talk.send(Ack(0.0, "Z", "A", ord("Y")))
+                ask = talk.send(TAKEN[which])
             elif isinstance(ask.command, DataQuery):
                 last = next(reports, last)
                 ask = talk.send(last)
@@ -120,11 +128,35 @@ def test_surfacing_without_a_depth_that_falls_is_none() -> None:
         ordered(Order.SURFACE, [seen(0), seen(2), seen(4)])
 
 
+@pytest.mark.parametrize(
+    ("which", "other"), [(Order.STOP, Order.SURFACE), (Order.SURFACE, Order.STOP)]
+)
+def test_the_answer_to_another_order_is_none_to_this_one(which: Order, other: Order) -> None:
+    """It may have been on its way when this one took the other's place."""
+    talk = Conversation(order(which))
+    said = talk.begin(0.0)
+    assert talk.receive(encode(TAKEN[other]), 0.5) == []
+    assert talk.handle_timer(1.0) == said
+    assert talk.receive(encode(TAKEN[which]), 1.5) == [b"@DU$"]
+
+
+@pytest.mark.parametrize(
+    ("which", "other"), [(Order.STOP, Order.SURFACE), (Order.SURFACE, Order.STOP)]
+)
+def test_by_modem_the_answer_to_another_order_is_none_either(which: Order, other: Order) -> None:
+    talk, patience = Submerged(order(which, under_water=True), Acoustics(800.0, 600.0)), 60.0
+    said = talk.begin(0.0)
+    assert talk.receive(wrap(encode(TAKEN[other]), Sender.VEHICLE), 0.5) == []
+    assert talk.handle_timer(patience) == said
+    heard = talk.receive(wrap(encode(TAKEN[which]), Sender.VEHICLE), patience + 0.5)
+    assert heard == [wrap(b"@DU$", Sender.TOPSIDE)]
+
+
 def test_what_is_looked_at_is_told_before() -> None:
     told: list[str] = []
     talk = order(Order.STOP, told.append)
     next(talk)
-    talk.send(Ack(0.0, "Z", "A", ord("Y")))
+    talk.send(TAKEN[Order.STOP])
     assert told == ["stop: the vehicle has it; what its reports show is looked at now"]
 
 

@@ -236,8 +236,8 @@ def test_an_order_without_the_vehicles_answer_is_never_called_done(
 def test_an_order_is_sent_until_it_is_answered_y_and_is_not_done_then() -> None:
     conversation = Conversation(order(Order.STOP))
     assert conversation.begin(0.0) == [b"@ZAX0$"]
-    assert conversation.receive(encode(Ack(0.0, "Z", "A", ord("N"))), 0.1) == []
-    assert conversation.receive(encode(Ack(0.0, "Z", "A", ord("Y"))), 0.2) == [b"@DU$"]
+    assert conversation.receive(encode(Ack(0.0, "Z", "X", ord("N"))), 0.1) == []
+    assert conversation.receive(encode(Ack(0.0, "Z", "X", ord("Y"))), 0.2) == [b"@DU$"]
     assert not conversation.over
 
 
