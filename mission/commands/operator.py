@@ -155,8 +155,8 @@ def surface(to: str, as_json: bool) -> None:
     """Surface, at once and from any state (@ZAWF).
 
     Then reports are looked at for up to a minute. Exit 0 when one shows the surface, or a depth
-    that has fallen by 0.5 m; 3 when it was sent and nothing confirms it; 1 when the depth does not
-    fall, or it is not known to have arrived.
+    that has fallen by 0.5 m, and the vehicle's program believes it; 3 when it was sent and nothing
+    confirms it; 1 when the depth does not fall, or it is not known to have arrived.
     """
     from protocol.messages import Order
 

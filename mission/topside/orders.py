@@ -2,7 +2,8 @@
 
     X or W --@ACK_Z.Y--> @DU, @DU, ... until a report from after it shows
                          stop:     every thruster off
-                         surface:  the surface, or a depth that has fallen by ``RISEN_M``
+                         surface:  the surface, or a depth that has fallen by ``RISEN_M``,
+                                   by @AE: a depth that its program believes, the surface proved
            --> @AQ: what the vehicle's program itself holds against it
 
 An acknowledgement proves nothing, and behind a board that acknowledges nothing it says only that
@@ -21,8 +22,19 @@ from __future__ import annotations
 from collections.abc import Callable, Generator
 from dataclasses import dataclass
 
+from mission.model import SURFACED, SURFACING
 from mission.topside.upload import Ask, NoAnswer, OperatorError, Script, is_ack, is_report
-from protocol.messages import Ack, DataQuery, Emergency, Order, Status, StoreQuery, StoreReport
+from protocol.messages import (
+    Ack,
+    DataQuery,
+    Emergency,
+    Order,
+    StateQuery,
+    StateReport,
+    Status,
+    StoreQuery,
+    StoreReport,
+)
 from protocol.topside import Answer
 
 ORDER_TRIES = 10  # an order is sent until it is answered
@@ -30,7 +42,7 @@ LOOKS = {Order.STOP: 8, Order.SURFACE: 30}  # a second apart by radio
 LOOKS_UNDER_WATER = {Order.STOP: 2, Order.SURFACE: 4}  # some seconds each
 THRUSTERS = 5  # the first of the actuators; rudders follow
 NEUTRAL = 0.02  # share of full thrust
-SURFACE_M, RISEN_M = 0.5, 0.5
+SURFACE_M, RISEN_M, NO_DEPTH_M = 0.5, 0.5, -0.8
 WORDS = {Order.STOP: "stop", Order.SURFACE: "surface"}
 
 
@@ -45,10 +57,11 @@ class Unconfirmed(OperatorError):
 @dataclass(frozen=True, slots=True)
 class Seen:
     """What reports show of an order. ``shown``: that it is obeyed; ``words``: in either case;
-    both None and "" where they show neither."""
+    both None and "" where they show neither. ``up``: it is at the surface."""
 
     shown: bool | None
     words: str
+    up: bool = False
 
 
 def order(
@@ -89,6 +102,8 @@ def _look(which: Order, looks: int) -> Generator[Ask, Answer | None, Seen]:
             continue
         fresh.append(told)
         seen = judge([first, *fresh])
+        if seen.shown and which is Order.SURFACE:
+            seen = yield from _as_believed(seen)
         if seen.shown:
             break
     return seen
@@ -97,6 +112,19 @@ def _look(which: Order, looks: int) -> Generator[Ask, Answer | None, Seen]:
 def _report() -> Generator[Ask, Answer | None, Status | None]:
     answer = yield Ask("status", DataQuery(), lambda a: isinstance(a, Status))
     return answer if isinstance(answer, Status) else None
+
+
+def _as_believed(seen: Seen) -> Generator[Ask, Answer | None, Seen]:
+    """What a depth shows counts as far as the vehicle's program believes it. Where that tells no
+    state (an older one), its report alone counts."""
+    state = yield Ask("state", StateQuery(), lambda a: isinstance(a, StateReport))
+    if not isinstance(state, StateReport) or state.state == SURFACED:
+        return seen
+    if state.to_depth_m is None:
+        return Seen(None, "its program does not believe the depth that it reports; watch it")
+    if seen.up and state.state == SURFACING:
+        return Seen(None, "its program has not proved the surface so far; watch it")
+    return seen
 
 
 def _stopped(told: list[Status]) -> Seen:
@@ -115,8 +143,10 @@ def _surfaced(told: list[Status]) -> Seen:
     now = told[-1].telemetry.depth if told[-1].telemetry else None
     if now is None:
         return Seen(None, "no depth is reported; watch it")
+    if now < NO_DEPTH_M:
+        return Seen(None, f"its report shows {now:.1f} m, which is no depth; watch it")
     if now < SURFACE_M:
-        return Seen(True, f"its report shows {now:.1f} m: at the surface")
+        return Seen(True, f"its report shows {now:.1f} m: at the surface", up=True)
     if now <= max(depths) - RISEN_M:
         return Seen(True, f"it rises: {max(depths):.1f} m deep, then {now:.1f} m; watch it")
     return Seen(False, f"its depth does not fall: {depths[0]:.1f} m, now {now:.1f} m")

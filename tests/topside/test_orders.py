@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import pytest
@@ -11,9 +11,10 @@ from click.testing import CliRunner
 from links.base import Rx
 from links.simulated.boards import SimulatedBoard
 from links.simulated.link import SimulatedVehicle
+from links.simulated.settings import parse_settings
 from mission.authoring.language import parse, script
 from mission.cli import main
-from mission.model import Tx
+from mission.model import SURFACED, SURFACING, Tx
 from mission.model.shipped import load_vehicle
 from mission.onboard.configuration import Configuration
 from mission.onboard.runtime.runtime import Runtime
@@ -28,6 +29,8 @@ from protocol.messages import (
     DataQuery,
     Emergency,
     Order,
+    StateQuery,
+    StateReport,
     Status,
     StoreReport,
     Telemetry,
@@ -48,11 +51,16 @@ def seen(second: int, depth: float | None = None, actuators: tuple[float, ...] =
     return Status(f"2025-01-01T00:00:{second:02}", None, report)
 
 
-def ordered(which: Order, told: list[Status | None], store: StoreReport = STORE) -> str:
-    """What is said in the end, where the reports are these, None where no answer comes; the last
-    of them stays."""
-    reports = iter(told)
-    last = told[0]
+def ordered(
+    which: Order,
+    told: Sequence[Status | None],
+    store: StoreReport = STORE,
+    states: tuple[StateReport | None, ...] = (None,),
+) -> str:
+    """What is said in the end, where the reports and states are these, None where no answer comes;
+    the last of them stays."""
+    reports, tells = iter(told), iter(states)
+    last, state = told[0], states[0]
     talk = order(which)
     ask = next(talk)
     try:
@@ -62,6 +70,9 @@ def ordered(which: Order, told: list[Status | None], store: StoreReport = STORE)
             elif isinstance(ask.command, DataQuery):
                 last = next(reports, last)
                 ask = talk.send(last)
+            elif isinstance(ask.command, StateQuery):
+                state = next(tells, state)
+                ask = talk.send(state)
             else:
                 ask = talk.send(store if ask.fits(store) else None)
     except StopIteration as end:
@@ -120,6 +131,38 @@ def test_surfacing_is_confirmed_by_the_surface_or_by_a_depth_that_falls(
     assert words in said
 
 
+def in_state(state: str, to_depth_m: float | None) -> StateReport:
+    nothing = (None,) * 5
+    rest = (to_depth_m, None, None, None)
+    return StateReport(state, "asker", *nothing, *rest, alarms=0, setpoint="", leg="")
+
+
+@pytest.mark.parametrize("depths", [[5.9, 0.2, 0.2], [5.9, 4.9, 3.9]])
+def test_a_depth_that_the_vehicles_program_does_not_believe_confirms_no_ascent(
+    depths: list[float],
+) -> None:
+    told = [seen(2 * i, depth) for i, depth in enumerate(depths)]
+    with pytest.raises(Unconfirmed, match="does not believe the depth that it reports"):
+        ordered(Order.SURFACE, told, states=(in_state(SURFACING, None),))
+    doubted_at_first = in_state(SURFACING, None), in_state(SURFACED, 30.0)
+    told = [seen(0, 5.9), seen(2, 0.2), seen(4, 0.2)]
+    assert "at the surface" in ordered(Order.SURFACE, told, states=doubted_at_first)
+
+
+def test_the_surface_is_confirmed_once_the_vehicles_program_has_proved_it() -> None:
+    told = [seen(second, 0.3) for second in range(6)]
+    with pytest.raises(Unconfirmed, match="has not proved the surface so far"):
+        ordered(Order.SURFACE, told, states=(in_state(SURFACING, 30.0),))
+    by_fix = in_state(SURFACING, None), in_state(SURFACED, None)
+    assert "at the surface" in ordered(Order.SURFACE, told, states=by_fix)
+
+
+@pytest.mark.parametrize("state", [None, in_state(SURFACING, 30.0), in_state(SURFACED, None)])
+def test_above_the_water_is_no_surface(state: StateReport | None) -> None:
+    with pytest.raises(Unconfirmed, match=r"shows -3\.1 m, which is no depth"):
+        ordered(Order.SURFACE, [seen(0, 5.9), seen(2, -3.1)], states=(state,))
+
+
 def test_surfacing_without_a_depth_that_falls_is_none() -> None:
     told = [seen(second, 5.0 + 0.01 * second) for second in range(59)]
     with pytest.raises(Contradicted, match=r"its depth does not fall: 5\.0 m, now 5\.3 m"):
@@ -173,11 +216,15 @@ AHEAD = {
 class Sea:
     """A mission under way; ``deaf``: the board goes on with what it heard last before that."""
 
-    def __init__(self, name: str) -> None:
+    def __init__(self, name: str, *settings: str, depth: int = 3) -> None:
         text = f"mission m vehicle {name}\nsafety time 20min\nassume start 0\nstart without fix\n"
-        lines = tuple(script(parse(text + AHEAD[name])))
+        lines = tuple(script(parse(text + AHEAD[name].replace("depth 3", f"depth {depth}"))))
         vehicle = load_vehicle(name)
-        self.sea = SimulatedVehicle("as-built", 1) if name == "auv" else SimulatedBoard(name, 1)
+        self.sea = (
+            SimulatedVehicle("as-built", 1, parse_settings(settings))
+            if name == "auv"
+            else SimulatedBoard(name, 1)
+        )
         self.runtime = Runtime(Configuration(), vehicle, MemoryStore(Stored(lines)))
         self.runtime.set_navigation(self.runtime.make_navigation(), 0.0)
         self.now, self.deaf, self.kept = 0.0, False, b""
@@ -222,10 +269,10 @@ class Sea:
         for frame in frames:
             self._tell(talk, talk.receive(self.say(frame), self.now))
 
-    def order(self, which: Order) -> Conversation:
+    def order(self, which: Order, looked: float = 200.0) -> Conversation:
         talk = Conversation(order(which))
         self._tell(talk, talk.begin(self.now))
-        self.run(200.0, talk)
+        self.run(looked, talk)
         return talk
 
     def times(self, reason: str) -> int:
@@ -270,6 +317,16 @@ def test_a_stop_that_is_obeyed_late_is_no_longer_doubted() -> None:
     assert b"way after the stop" not in sea.say(b"@AQ$")
     sea.run(20.0)
     assert sea.times("after it was stopped") == before
+
+
+@pytest.mark.parametrize("off", [9.0, 5.8])
+def test_a_sensor_that_comes_loose_under_water_confirms_no_ascent(off: float) -> None:
+    """6 m deep it says that it is above the water, or just under its surface."""
+    sea = Sea("auv", f"fault=depth_too_shallow={off}@60", depth=6)
+    sea.run(63.5 - sea.now)
+    talk = sea.order(Order.SURFACE, looked=5.0)
+    assert sea.sea.truth().depth > 5.0
+    assert talk.result is None
 
 
 @pytest.mark.parametrize("name", ["auv", "coreboard", "rov"])
