@@ -117,10 +117,10 @@ def start(to: str, wait: int, as_json: bool) -> None:
     """Start the stored mission, or go on with the interrupted one (@AA)."""
     from mission.topside.upload import start_telling
 
-    began: list[str] = []
-    _converse(to, start_telling(wait, began.append), as_json)
-    for digest in began:
+    def began(digest: str) -> None:
         _remembered().started(to, digest, time.time())
+
+    _converse(to, start_telling(wait, began), as_json)
 
 
 @click.command()

@@ -74,13 +74,12 @@ class Dives:
             self._write(found)
 
     def started(self, url: str, digest: str, wall: float) -> None:
-        """Notes a start. Of a dive that is under way already the time has begun before."""
+        """Notes a start. Of a dive that goes on the time has begun before."""
         with self._held:
             found = self._read()
             name, plan = _known_by(found, _address(url)), _plan(found, digest)
             dive = _dive(found, name)
-            going_on = dive.plan == plan and dive.due is not None and wall <= dive.due
-            began = dive.started if going_on else wall
+            began = dive.started if dive.goes_on(plan, wall) else wall
             dive = replace(dive, started=began, plan=plan, mission=digest[:DIGITS])
             _put(found["boats"], name, to_plain(dive))
             self._write(found)
@@ -182,13 +181,13 @@ def _is_of(dive: Dive, contact: Contact) -> bool:
 
 
 def _begun(found: Tables, before: Dive, contact: Contact) -> Dive:
-    """Also a dive that somebody else started: heard under way twice, so that whoever starts it from
-    here has noted that meanwhile."""
+    """Also a dive that somebody else started: at once where it tells when it began, else when it
+    was heard under way twice, so that whoever starts it from here has noted that meanwhile."""
     dive, seen = heard(before, contact), before.contact
     if dive.started is not None or not contact.is_under_way:
         return dive
     plan = _plan(found, contact.mission)
-    if plan is None or seen is None or seen.mission != contact.mission or not seen.is_under_way:
-        return dive
-    began = seen.wall if contact.began is None else contact.began
-    return Dive(began, plan, contact, contact.mission)
+    began = contact.began
+    if began is None and seen is not None and seen.mission == contact.mission:
+        began = seen.wall if seen.is_under_way else None
+    return dive if plan is None or began is None else Dive(began, plan, contact, contact.mission)

@@ -32,8 +32,10 @@ if TYPE_CHECKING:
     from mission.authoring.prepare import Prepared
 
 AGAIN_S = 600.0  # of silence, of one that was heard behind its time and was not up
+LATE_S = 5.0  # behind a start what was told before it may still come
 UNSURE_M = 30.0  # 95 % of a fix whose accuracy nobody tells
-SWIMS = (AUTONOMOUS, "manual")
+BY_HAND = "manual"
+SWIMS = (AUTONOMOUS, BY_HAND)
 OVER = ("idle", "emergency/surfaced")  # it is up, and was heard
 
 
@@ -89,6 +91,13 @@ class Dive:
             None if self.started is None or self.plan is None else self.started + self.plan.worst_s
         )
 
+    def goes_on(self, plan: Plan | None, wall: float) -> bool:
+        """By a start at ``wall``: the stick has interrupted it, as was heard since it began."""
+        if self.started is None or self.due is None or self.contact is None:
+            return False
+        by_hand = self.contact.wall >= self.started and self.contact.state.startswith(BY_HAND)
+        return by_hand and self.plan == plan and wall <= self.due
+
 
 @dataclass(frozen=True, slots=True)
 class Area:
@@ -143,13 +152,16 @@ def contact_with(state: Mapping[str, Any], wall: float, began: float | None = No
 
 def heard(dive: Dive, contact: Contact) -> Dive:
     """The dive after this contact: over where the vehicle is up, or flies another mission. What was
-    told before the start says nothing of what came of it, nor what was told before the last one, by
-    whatever way."""
+    told before the start says nothing of what came of it (it may come up to ``LATE_S`` behind it),
+    nor what was told before the last one, by whatever way."""
     known = -math.inf if dive.contact is None else dive.contact.wall
-    if dive.started is not None and contact.wall < max(dive.started, known):
-        return dive
     is_another = bool(contact.mission and dive.mission) and contact.mission != dive.mission
-    if contact.is_over or is_another:
+    ends = contact.is_over or is_another
+    if dive.started is not None:
+        counts = max(dive.started + (LATE_S if ends else 0.0), known)
+        if contact.wall < counts:
+            return dive
+    if ends:
         return Dive(None, dive.plan, contact, dive.mission)
     return replace(dive, contact=contact)
 

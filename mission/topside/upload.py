@@ -244,11 +244,15 @@ def start(patience: int = 0) -> Script:
 
 
 def start_telling(patience: int, took: Callable[[str], None]) -> Script:
-    """``start``; ``took`` gets the digest of what was started, if the vehicle tells it."""
-    achieved = yield from start(patience)
-    report = yield Ask("store", StoreQuery(), is_report)
-    if isinstance(report, StoreReport):
+    """``start``; ``took`` gets the digest of what was started, also where nobody answers: that one
+    may be under way, and have dived. It is asked for before, while the vehicle is still heard."""
+    report = yield from asked_store()
+    try:
+        achieved = yield from start(patience)
+    except NoAnswer:
         took(report.digest)
+        raise
+    took(report.digest)
     return achieved
 
 

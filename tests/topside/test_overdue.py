@@ -19,10 +19,12 @@ from mission.cli import main
 from mission.model import Position
 from mission.model.plain import to_plain
 from mission.navigation.geodesy import LocalFrame
+from mission.topside import console
 from mission.topside.contacts import Contacts
 from mission.topside.dives import FILE, KEPT, SEARCHED_S, Dives, default_folder, missing
 from mission.topside.monitor import Watched
 from mission.topside.overdue import (
+    LATE_S,
     UNSURE_M,
     Area,
     Contact,
@@ -35,6 +37,8 @@ from mission.topside.overdue import (
     plan_of,
     search_area,
 )
+from mission.topside.upload import Script
+from protocol.messages import StoreReport
 
 HOME = (30.0, 120.0)
 PLAN = Plan("survey", worst_s=600.0, range_m=200.0, current=0.5, home=HOME)
@@ -143,6 +147,7 @@ def test_the_boat_remembers_from_the_upload_to_the_end_of_the_dive(tmp_path: Pat
     dives.started(URL, DIGEST, 1000.0)
     dives.contact(URL, UNDER_WAY)
     assert Dives(tmp_path).of(URL) == DIVE
+    dives.contact(URL, replace(UNDER_WAY, wall=1150.0, state="manual/waiting"))
     dives.started(URL, DIGEST, 1200.0)
     assert dives.of(URL).started == 1000.0, "a mission that goes on has begun before"
     dives.contact(URL, replace(UNDER_WAY, wall=1300.0, state="emergency/surfaced"))
@@ -251,17 +256,48 @@ def test_what_came_before_the_start_ends_no_dive(tmp_path: Path) -> None:
     assert dives.of(URL).started == 1000.0
 
 
-@pytest.mark.parametrize(("began", "noted"), [(1080.0, 1080.0), (None, 1100.0)])
 def test_a_dive_that_somebody_else_started_is_known_when_it_was_heard_twice(
-    tmp_path: Path, began: float | None, noted: float
+    tmp_path: Path,
 ) -> None:
     dives = Dives(tmp_path)
     dives.uploaded(DIGEST, PLAN)
-    dives.contact(URL, replace(UNDER_WAY, began=began))
+    dives.contact(URL, UNDER_WAY)
     assert dives.of(URL).started is None
-    dives.contact(URL, replace(UNDER_WAY, wall=1110.0, began=began))
-    assert dives.of(URL).started == noted
-    assert told(dives, MODEM, noted + 660.0)
+    dives.contact(URL, replace(UNDER_WAY, wall=1110.0))
+    assert dives.of(URL).started == 1100.0
+    assert told(dives, MODEM, 1100.0 + 660.0)
+
+
+def test_a_dive_that_tells_when_it_began_is_known_at_once(tmp_path: Path) -> None:
+    dives = Dives(tmp_path)
+    dives.uploaded(DIGEST, PLAN)
+    dives.contact(URL, replace(UNDER_WAY, began=1080.0))
+    assert dives.of(URL).started == 1080.0
+    assert told(dives, MODEM, 1080.0 + 660.0)
+
+
+@pytest.mark.parametrize("late", [DECK, Contact(0.0, "autonomous", mission="fedcba9876543210")])
+def test_what_was_told_before_the_start_and_comes_just_behind_it_ends_no_dive(
+    tmp_path: Path, late: Contact
+) -> None:
+    dives = started(tmp_path, URL)
+    dives.contact(URL, replace(late, wall=1000.0 + LATE_S - 0.1))
+    assert dives.of(URL) == Dive(1000.0, PLAN, None, DIGEST)
+    dives.contact(URL, replace(late, wall=1000.0 + LATE_S))
+    assert dives.of(URL).due is None
+
+
+@pytest.mark.parametrize("before", [None, UNDER_WAY, replace(DECK, wall=1050.0)])
+def test_a_second_start_is_a_dive_of_its_own_where_no_stick_was_heard_since(
+    tmp_path: Path, before: Contact | None
+) -> None:
+    dives = Dives(tmp_path)
+    dives.contact(URL, replace(UNDER_WAY, wall=990.0, state="manual/driving"))
+    dives = started(tmp_path, URL)
+    if before is not None:
+        dives.contact(URL, before)
+    dives.started(URL, DIGEST, 1400.0)
+    assert dives.of(URL).due == 1400.0 + PLAN.worst_s
 
 
 def test_a_start_after_the_due_time_is_a_dive_of_its_own(tmp_path: Path) -> None:
@@ -343,6 +379,24 @@ def test_status_says_so_by_every_way(
     named = {alarm["name"]: alarm["words"] for alarm in json.loads(data.stdout)["alarms"]}
     assert "search within" in named["OVERDUE"]
     assert ("known by tcp://127.0.0.1:1" in named["OVERDUE"]) == (way == "a modem")
+
+
+def test_the_command_start_notes_a_start_that_nobody_answered(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def converse(url: str, talk: Script) -> str:
+        next(talk)
+        talk.send(StoreReport("ready", 3, 3, "", DIGEST, ""))
+        talk.send(None)
+        raise AssertionError
+
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path))
+    monkeypatch.setattr(console, "converse", converse)
+    Dives(default_folder()).uploaded(DIGEST, PLAN)
+    ran = CliRunner().invoke(main, ["start", "--to", URL])
+    assert ran.exit_code == 1
+    assert "whether the mission started is not known" in ran.stderr
+    assert Dives(default_folder()).of(URL).due is not None
 
 
 @pytest.mark.parametrize("way", SILENT)

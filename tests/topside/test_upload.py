@@ -23,6 +23,7 @@ from mission.topside.upload import (
     Script,
     clear,
     start,
+    start_telling,
     status,
     upload,
 )
@@ -200,6 +201,28 @@ def test_a_start_that_is_refused_says_why_and_patience_asks_again() -> None:
     talk = wire.hold(start(patience=2))
     assert isinstance(talk.failure, Refused)
     assert wire.sent.count(b"@AA$") == 3
+
+
+@pytest.mark.parametrize(
+    ("answer", "noted"), [(ord("A"), [DIGEST[:16]]), (ord("N"), []), (None, [DIGEST[:16]])]
+)
+def test_a_start_is_noted_though_nothing_is_heard_from_it_on_but_not_a_refused_one(
+    answer: int | None, noted: list[str]
+) -> None:
+    """The vehicle dives: its answer to @AA may be its last, or lost."""
+    began: list[str] = []
+    talk = Conversation(start_telling(0, began.append))
+    store = encode(StoreReport("ready", len(LINES), len(LINES), "", DIGEST[:16], "no fix"))
+    verdict = b"" if answer is None else encode(Ack(0.0, "A", "A", answer))
+    refused, asked = answer == ord("N"), False
+    out, now = talk.begin(0.0), 0.0
+    while not talk.over:
+        heard = {b"@AA$": verdict, b"@AQ$": store if refused or not asked else b""}.get(out[0], b"")
+        asked = asked or out == [b"@AA$"]
+        now += 1.0
+        out = talk.receive(heard, now) or talk.handle_timer(now)
+    assert began == noted
+    assert talk.result == ("started" if answer == ord("A") else None)
 
 
 def test_clear_empties_the_store() -> None:
