@@ -189,11 +189,13 @@ def moment(due: float, now: float) -> str:
 
 
 def search_area(dive: Dive, now: float) -> Area | None:
-    """Where it may be at ``now``; None: no place is known."""
+    """Where it may be at ``now``; None: no place is known. What was heard before the start tells
+    a place, and nothing of how it went on."""
     plan, contact = dive.plan, dive.contact
     if plan is None:
         return None
-    swam = contact is None or contact.state.startswith(SWIMS)
+    began = -math.inf if dive.started is None else dive.started
+    swam = contact is None or contact.wall < began or contact.state.startswith(SWIMS)
     if swam and plan.home is not None:
         adrift = max(0.0, now - (dive.due or now))
         return _moved(plan.home, plan.range_m, None, contact, plan.current * adrift, adrift)

@@ -104,6 +104,18 @@ def test_without_a_home_it_is_searched_around_the_contact() -> None:
     assert area.long_m == 2 * 200.0 + 0.5 * 100.0
 
 
+@pytest.mark.parametrize("home", [HOME, None])
+def test_what_was_heard_before_the_start_makes_the_searched_area_no_smaller(
+    home: tuple[float, float] | None,
+) -> None:
+    """Looked at on deck, started, and never heard again."""
+    still = replace(PLAN, home=home, current=0.0)
+    on_deck = replace(DECK, wall=900.0, latitude=HOME[0], longitude=HOME[1])
+    area = search_area(Dive(1000.0, still, on_deck, DIGEST), 1700.0)
+    assert area is not None
+    assert area.short_m >= PLAN.range_m
+
+
 def test_one_that_drifted_is_searched_in_an_ellipse_that_moves_and_grows() -> None:
     drifting = Contact(1100.0, "emergency/stopped", *HOME, (100.0, 0.0, 25.0), (0.0, 0.2))
     first, then = (search_area(replace(DIVE, contact=drifting), t) for t in (1100.0, 1200.0))
