@@ -141,9 +141,8 @@ class VehicleState:
         self.telemetry = report
         self.attitude = self.attitude.after(driven := self._with_thrust(report))
         if self.navigation:
-            down, asked = _downward(report), self._asked()
             over = self.overturned  # then the same push leads the other way
-            push = Vertical(None, None) if over else Vertical(down, asked)
+            push = Vertical(None, None) if over else Vertical(_downward(report), self._asked())
             self.navigation.telemetry(driven, push)
             self.estimate = self.navigation.estimate(report.t)
         self._forget()
@@ -151,6 +150,8 @@ class VehicleState:
             self._take_position(report, report.position)
         depth = self.depth
         self._notice_travel(report.t, self.moving_depth if depth is None else None)
+        if self.health("depth").reason == "frozen":  # it thaws by two changes: one is a glitch
+            self._expected, self._told = math.inf, (None, -math.inf)
         lives = depth is not None and self._has_changed(depth)
         if lives:
             self.believed_depth, self._believed_at = depth, report.t
@@ -176,6 +177,7 @@ class VehicleState:
         before, at = self._told
         if depth != before is not None and self.now - at <= self.stale_after:
             self._moved_at = self.now
+            self._expected = min(self._expected, math.nextafter(self.now, math.inf))
         self._told = depth, self.now
         return self.lives
 
@@ -342,16 +344,14 @@ class VehicleState:
 
     def surfaced(self, since: float) -> bool:
         """R7: 6 s of shallow depth, or a fix that proves it; either observed after ``since``."""
-        if self.fixed(since):
-            return True
         due = self.surface_due(since)
-        return due is not None and self.now >= due and self.depth is not None and self._told_again()
+        shallow = due is not None and self.now >= due and self.depth is not None
+        return self.fixed(since) or (shallow and self._told_again())
 
     def _told_again(self) -> bool:
         """The shallow depth, by more than one report."""
-        return self._grounded or (
-            self.telemetry is not None and self.telemetry.t != self._shallow_since
-        )
+        told = self.telemetry
+        return self._grounded or (told is not None and told.t != self._shallow_since)
 
     def fixed(self, since: float) -> bool:
         """By a fix that proves the surface."""

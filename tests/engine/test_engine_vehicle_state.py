@@ -254,7 +254,7 @@ def test_submerged_is_what_was_last_believed_and_no_fix_since_that_proves_the_su
     assert vehicle_state.submerged
     vehicle_state.take_fix(fix(10.0))
     assert vehicle_state.submerged
-    navigation.doubt["depth"] = "frozen"
+    navigation.doubt["depth"] = "stale"
     told(vehicle_state, 12.0, depth=0.1)
     assert vehicle_state.submerged
     assert vehicle_state.believed_depth == 5.0
@@ -285,6 +285,25 @@ def test_a_depth_that_froze_in_a_silence_proves_no_surface_though_it_is_another(
     for second in range(60, 70, 2):
         told(vehicle_state, float(second), depth=0.21 + 0.001 * second)
     assert vehicle_state.surfaced(20.0)
+
+
+@pytest.mark.parametrize(
+    ("said", "up"), [([0.30], False), ([0.35], False), ([1.1], False), ([0.35, 0.32], True)]
+)
+@pytest.mark.parametrize("lived", [False, True])
+def test_a_depth_that_froze_proves_no_surface_by_one_other_value(lived: bool, said, up: bool):
+    """Which it says among the same: by three that differ it lives again."""
+    navigation = Navigation()
+    vehicle_state = VehicleState(navigation)
+    vehicle_state.rising_since = 1.0
+    told(vehicle_state, 2.0, depth=0.30 + 0.01 * lived)
+    told(vehicle_state, 4.0, depth=0.30)
+    navigation.doubt["depth"] = "frozen"
+    told(vehicle_state, 6.0, depth=0.30)
+    navigation.doubt.clear()
+    for i, depth in enumerate([*said, *[0.30] * 4]):
+        told(vehicle_state, 8.0 + 2.0 * i, depth=depth)
+    assert vehicle_state.surfaced(6.0) is up
 
 
 def test_the_report_with_which_an_ascent_begins_is_no_change_since():
