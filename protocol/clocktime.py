@@ -21,6 +21,7 @@ SLASHES = re.compile(f"([0-9]{{4}})/([0-9]{{2}})/([0-9]{{2}}) {_CLOCK}")
 DASHES = re.compile(f"([0-9]{{4}})-([0-9]{{2}})-([0-9]{{2}})-{_CLOCK}")
 ISO = re.compile(f"([0-9]{{4}})-([0-9]{{2}})-([0-9]{{2}})T{_CLOCK}")
 
+YEARS = range(1970, 2100)  # that a vehicle's clock is set to (R10)
 Clock = tuple[int, ...]  # year, month, day, hour, minute, second
 
 
@@ -53,8 +54,8 @@ def iso(clock: Clock) -> str:
 
 
 def checked(clock: Clock) -> str:
-    """Raises Refused for a time that no calendar has."""
-    if not real(clock):
+    """Raises Refused for a time that no calendar has, or no clock is set to."""
+    if clock[0] not in YEARS or not real(clock):
         raise Refused(FaultKind.OUT_OF_RANGE)
     return iso(clock)
 

@@ -432,6 +432,8 @@ def test_garbage_is_told_and_costs_no_good_frame(pi: Pi) -> None:
     ("frame", "refusal"),
     [
         (b"@ST,2025/13/01 00:00:00,$", b"@ACK_STN$"),
+        (b"@ST,0001/01/01 00:00:00,$", b"@ACK_STN$"),
+        (b"@ST,9999/12/31 23:59:59,$", b"@ACK_STN$"),
         (b"@NSXOOOOO$", b"@ACK_NSN$"),
         (b"@AW\x02\x00\x03\x00ZAF6$", b"@ACK_AWN$"),
     ],

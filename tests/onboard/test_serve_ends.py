@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import itertools
 import json
 import signal
@@ -38,6 +39,7 @@ from mission.onboard.runtime.records import RX, read_rx
 from mission.onboard.runtime.runtime import Runtime
 from mission.onboard.serve import ports
 from mission.onboard.serve import serve as shell
+from mission.onboard.serve.recording import Recording
 from mission.onboard.store import MemoryStore, Stored
 from mission.topside.console import converse
 from mission.topside.upload import start, status, upload
@@ -228,6 +230,23 @@ def test_a_fault_of_the_program_begins_another_drive_that_surfaces(
         soon(lambda: len(list((tmp_path / "log").iterdir())) == 2, "another black box")
         assert asked(boat, b"@AQ$").startswith(b"@AR,")
     assert all(replay(list(read_parts(p))).identical for p in (tmp_path / "log").iterdir())
+
+
+def test_only_the_last_black_box_of_a_serve_has_all_parts_closed(tmp_path: Path) -> None:
+    """Behind a fault of the program another box begins, which is not to be taken for a closed one."""
+    closed = list[tuple[Path, Path | None]]()
+
+    async def kept() -> None:
+        recording = Recording(print, lambda folder, but: closed.append((folder, but)))
+        recording.begin(tmp_path, 0.0)
+        await recording.shut(last=False)
+        assert closed == []
+        recording.begin(tmp_path, 1.0)
+        await recording.shut(last=True)
+        recording.end()
+
+    asyncio.run(kept())
+    assert closed == [(tmp_path, None)]
 
 
 @pytest.mark.replaces

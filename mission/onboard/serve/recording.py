@@ -92,11 +92,13 @@ class Recording:
         except OSError as error:
             self._tell(f"should the configuration break, this one cannot be kept for then: {error}")
 
-    async def shut(self) -> None:
+    async def shut(self, *, last: bool) -> None:
+        """``last``: no other box follows, which would close the parts before it."""
         box, self.box = self.box, None
         if box is not None:
             await asyncio.get_running_loop().run_in_executor(self._disk, box.close)
-            self._close_parts(box.path.parent, None)
+            if last:
+                self._close_parts(box.path.parent, None)
 
     def end(self) -> None:
         self._disk.shutdown()
