@@ -92,7 +92,9 @@ def held_deep(depth: float, since: str, until: str) -> Law:
     """Between two marks it stays deeper than this: nothing has ended the mission."""
 
     def law(world: World) -> str:
-        begin, end = world.marks.get(since, 1e9), world.marks.get(until, 1e9)
+        if missed := reached(since)(world) or reached(until)(world):
+            return missed
+        begin, end = world.marks[since], world.marks[until]
         high = [s for s in world.samples if begin <= s.at <= end and s.depth < depth]
         return (
             f"{high[0].depth:.1f} m deep {high[0].at - begin:.0f} s after {since}" if high else ""
@@ -105,8 +107,10 @@ def upward_within(seconds: float, mark: str = "due") -> Law:
     """An upward word leaves within this time of a mark."""
 
     def law(world: World) -> str:
-        at = world.marks.get(mark)
-        if at is None or said(world, UPWARD, at, at + seconds):
+        if missed := reached(mark)(world):
+            return missed
+        at = world.marks[mark]
+        if said(world, UPWARD, at, at + seconds):
             return ""
         later = said(world, UPWARD, at)
         when = f"after {later[0].at - at:.1f} s" if later else "never"
@@ -119,8 +123,10 @@ def word_within(pattern: str, seconds: float, mark: str) -> Law:
     """Such a word leaves within this time of a mark."""
 
     def law(world: World) -> str:
-        at = world.marks.get(mark)
-        if at is None or said(world, pattern, at, at + seconds):
+        if missed := reached(mark)(world):
+            return missed
+        at = world.marks[mark]
+        if said(world, pattern, at, at + seconds):
             return ""
         return f"no {pattern} within {seconds:.0f} s of {mark}"
 
@@ -178,8 +184,8 @@ def never(pattern: str, since: str, why: str, until: str = "") -> Law:
     """No such word to the board between two marks."""
 
     def law(world: World) -> str:
-        if since not in world.marks:
-            return ""
+        if missed := reached(since)(world):
+            return missed
         found = said(world, pattern, world.marks[since], world.marks.get(until, 1e9))
         return (
             f"{found[0].text} at {found[0].at - world.marks[since]:.1f} s: {why}" if found else ""

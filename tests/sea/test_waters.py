@@ -7,11 +7,13 @@ import os
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
 from tests.sea.body import Body, Gears
 from tests.sea.clock import Clock
+from tests.sea.laws import Law, held_deep, never, upward_within, word_within
 from tests.sea.others import xor
 from tests.sea.pi import ROOT
 from tests.sea.receiver import Receiver
@@ -94,6 +96,20 @@ def test_two_frames_in_one_burst_are_one_frame_to_the_board() -> None:
     line.close()
     assert [word.text for word in board.words] == ["@ZAX0$@ZAU12$", "@ZAD8$"]
     assert board.control(1000.3, 0.03).up == (-8.0, -8.0, -8.0)
+
+
+@pytest.mark.parametrize(
+    "law",
+    [
+        held_deep(2.0, "go", "due"),
+        upward_within(5.0, "go"),
+        word_within("@ZAX0", 5.0, "go"),
+        never("@ZAU", "go", "nobody asked for it"),
+    ],
+)
+def test_a_law_about_what_a_scene_never_came_to_is_broken(law: Law) -> None:
+    nothing = SimpleNamespace(marks={"due": 9.0}, samples=[], board=SimpleNamespace(words=[]))
+    assert law(nothing) == "the scene never came to 'go'"  # type: ignore[arg-type]
 
 
 def test_the_scenes_are_found_by_hand_as_by_pytest() -> None:
