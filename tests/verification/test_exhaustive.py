@@ -17,6 +17,7 @@ from mission.engine import core, ending, orders, run, vehicle_state
 from mission.engine.ascent import Ascent
 from mission.engine.bounds import Bounds
 from mission.engine.clearance import Clearance
+from mission.engine.engine import Engine
 from mission.engine.limits import LIMITS, Limit
 from mission.engine.monitor import LimitMonitor
 from mission.model import AUTONOMOUS, MANUAL_WAITING, STOPPED, SURFACED, Action, By, Tx, Verdict
@@ -30,6 +31,7 @@ from mission.onboard.runtime.copies import Copies
 from mission.onboard.runtime.frontseat import Frontseat
 from mission.onboard.runtime.obeyed import Obeyed
 from mission.onboard.runtime.runtime import Runtime
+from mission.onboard.runtime.situation import Situation
 from mission.onboard.runtime.staging import Staging
 from mission.onboard.runtime.uploads import Uploads
 from mission.verification.exhaustive.cell import Configuration
@@ -501,6 +503,18 @@ def _pushes_in_the_dark(patch: pytest.MonkeyPatch) -> None:
     patch.setattr(Ascent, "_may_lift", lambda self, way, depth: True)
 
 
+def _tells_below(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(Situation, "_afloat", lambda self, now: True)
+
+
+def _a_line_is_back_unheard(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(core.Core, "doubt_line", lambda self: None)
+
+
+def _limits_everywhere(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(Engine, "_acts", lambda self, row: True)
+
+
 BROKEN: tuple[tuple[Break, str, str], ...] = (
     (_refuse_x, "surfacing", "X acts from everywhere within the step"),
     (_refuse_x, "surfacing", "W acts from everywhere within the step"),
@@ -565,6 +579,9 @@ BROKEN: tuple[tuple[Break, str, str], ...] = (
     (_up_at_once, "autonomous/dive , quiet", "a restart surfaces what was under way and leaves the rest at rest"),
     (_goes_by_belief_alone, "surfacing", "what makes a depth fall of which the zero is doubted is kept"),
     (_pushes_down_again, "surfacing", "upside down no push that led deeper is tried again"),
+    (_tells_below, "autonomous/dive , quiet", "no @VS unasked below it"),
+    (_a_line_is_back_unheard, "surfacing", "behind a line that was away what holds is said again"),
+    (_limits_everywhere, "waiting", "a breach leads to its response where it acts, and only there"),
     (_pushes_in_the_dark, "surfacing", "upside down and blind it is let go"),
 )  # fmt: skip
 

@@ -13,13 +13,13 @@ import re
 from collections.abc import Iterator
 from itertools import pairwise
 
-from mission.model import SURFACED, SURFACING, By
+from mission.model import STOPPED, SURFACED, SURFACING, By
 from mission.model.regions import EMERGENCY
 from mission.model.vehicle import STALE_AFTER
 from mission.verification.campaign.depth_laws import DEPTH_FAULTS
 from mission.verification.campaign.excuses import SLIGHT, lift
 from mission.verification.campaign.laws import Violation
-from mission.verification.campaign.story import AGAIN, Stay, Story
+from mission.verification.campaign.story import AGAIN, SAME, Stay, Story
 
 UNLAWFUL = "unlawful"
 _SHALLOW, _AFLOAT, _FIXED = 1.0, 4.0, 0.4  # m within s before, m that allow a fix
@@ -29,8 +29,8 @@ _NEW = 20.0  # s in which a program that began anew has not heard a place twice
 _DOUBTED = 40.0  # s
 _REPEATING = ("gps_stuck", "gps2_stuck", "gps_in_turn")
 _START, _START_FREE, _CLEAR = 1.1, 2.6, 1.1  # m
-_CLEAR_AGAIN = 4.5, 30.5  # s
-_AC = re.compile(rb"@AC\$")
+_CLEAR_AGAIN = 4.9, 30.5  # s: 5 to 30 (R7), and what a frame takes
+_AC, _ORDER = re.compile(rb"@AC\$"), re.compile(rb"@ZA(?:X0|WF)\$")
 _UNDETECTED = ("depth_too", "depth_drifting", "depth_late", "depth_stuck", "depth_inter")
 
 
@@ -110,10 +110,23 @@ def _is_cleared(story: Story, stay: Stay) -> Iterator[Violation]:
     t, depth = stay.begin, story.depth(stay.begin)
     if stay.before == SURFACING:
         yield Violation(UNLAWFUL, t, "cleared while it surfaces")
-    early, late = t - _CLEAR_AGAIN[1], t - _CLEAR_AGAIN[0]
-    asked = any(early <= s.t <= late and _AC.search(s.data) for s in story.said)
+    asked = _is_asked_twice(story, t)
     bound = _START_FREE if asked else _CLEAR
     in_vain = story.faulty(("verticals_",), t - _DOUBTED, t)  # pushes contradict a true depth
     unknown = asked and (in_vain or not story.told_in(t - STALE_AFTER, t))  # none is believed (R7)
     if depth > bound and not unknown and not story.faulty(DEPTH_FAULTS, t - 10.0, t):
         yield Violation(UNLAWFUL, t, f"cleared {depth:.1f} m deep")
+
+
+def _is_asked_twice(story: Story, t: float) -> bool:
+    """A first @AC 5 to 30 s ago, where it may be repeated, with no X or W behind it, by which it
+    would be another emergency's (R7)."""
+    orders = [s.t for s in story.said if s.t <= t and _ORDER.search(s.data)]
+    early = max([t - _CLEAR_AGAIN[1], *orders])
+    return any(
+        early <= s.t <= t - _CLEAR_AGAIN[0]
+        and _AC.search(s.data)
+        and story.stay_at(s.t + SAME).state in (STOPPED, SURFACED)
+        and not any(x.state == SURFACING and s.t < x.begin < t for x in story.stays)
+        for s in story.said
+    )

@@ -2,8 +2,9 @@
 
     sunk        under water or going down, and no way up in time (depth_laws)
     unanswered  a limit passed in truth, and no response in time (limit_laws, leg_laws, area_laws)
-    unsent      a set, a stop or a safe output that had to leave (word_laws, output_laws)
-    unlawful    a move that the rules forbid (word_laws, surface_laws, clear_laws, output_laws)
+    unsent      a set, a stop or a safe output that had to leave (word_laws, line_laws, output_laws)
+    unlawful    a move that the rules forbid (word_laws, surface_laws, status_laws, clear_laws,
+                output_laws)
 
 A law is a row of FLIGHT_LAWS; what it finds is counted by its kinds.
 
@@ -26,7 +27,9 @@ from mission.verification.campaign.depth_laws import SUNK, depth_laws
 from mission.verification.campaign.laws import Violation
 from mission.verification.campaign.leg_laws import leg_laws
 from mission.verification.campaign.limit_laws import UNANSWERED, limit_laws
+from mission.verification.campaign.line_laws import line_laws
 from mission.verification.campaign.output_laws import output_laws
+from mission.verification.campaign.status_laws import status_laws
 from mission.verification.campaign.story import Story
 from mission.verification.campaign.surface_laws import UNLAWFUL, surface_laws
 from mission.verification.campaign.word_laws import UNSENT, word_laws
@@ -50,7 +53,9 @@ FLIGHT_LAWS: Table[str, FlightLaw] = Table(
         FlightLaw("depth", (SUNK,), depth_laws),
         FlightLaw("legs", (UNANSWERED,), leg_laws),
         FlightLaw("limits", (UNANSWERED,), limit_laws),
+        FlightLaw("line", (UNSENT,), line_laws),
         FlightLaw("outputs", (UNSENT, UNLAWFUL), output_laws),
+        FlightLaw("status", (UNLAWFUL,), status_laws),
         FlightLaw("surface", (UNLAWFUL,), surface_laws),
         FlightLaw("words", (UNSENT, UNLAWFUL), word_laws),
     ),

@@ -39,7 +39,7 @@ from mission.model import (
     Tx,
 )
 from mission.model.regions import EMERGENCY, MANUAL
-from mission.verification.campaign.audit import commands_of, moves
+from mission.verification.campaign.audit import commands_of
 from mission.verification.campaign.laws import Violation
 from mission.verification.campaign.refusal_laws import heeds_refusals
 from mission.verification.campaign.reports import Report
@@ -197,7 +197,8 @@ def _begins_again(story: Story, stay: Stay) -> Iterator[Violation]:
     if was.end - was.begin < _DURABLE or full or again or stopped or due > story.end:
         return
     now = story.stay_at(stay.begin + 1e-6).state
-    if was.state in (STOPPED, SURFACED) and not now.startswith(EMERGENCY):
+    died = any(d.act in (Act.DIE_BEFORE, Act.DIE_AFTER) and d.t < stay.begin for d in story.done)
+    if was.state in (STOPPED, SURFACED) and now != was.state and not died:
         yield Violation(UNLAWFUL, stay.begin, f"restarted out of {was.state} into {now}")
     if not (was.autonomous or was.state == SURFACING):
         return
@@ -259,7 +260,7 @@ def _takes_over(story: Story, stay: Stay) -> Iterator[Violation]:
     now = [found for s, found in sticks if abs(s.t - t) < 0.01]
     if now and all(_neutral(found) for found in now):
         yield Violation(UNLAWFUL, t, f"{now[-1]!r} takes over {stay.before}")
-    held = [s.t for s, found in sticks if t - _QUIET < s.t < t - 0.01 and moves(found)]
+    held = [s.t for s, _ in sticks if t - _QUIET < s.t < t - 0.01]  # refused or not (R6, G4)
     if held and not story.hindered(t - _QUIET, t):
         says = f"a stick heard {t - held[-1]:.1f} s before takes over {stay.before}"
         yield Violation(UNLAWFUL, t, says)

@@ -17,7 +17,6 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 from mission.engine.restart import UNANSWERED, UNSEEN
-from mission.legs import LEGS
 from mission.model import (
     IDLE_EMPTY,
     IDLE_READY,
@@ -320,9 +319,8 @@ def _line_was_away(cell: Cell) -> Verdict:
         return wrong((set(left) > {X} or (stopped and not left), f"{left} left in {cell.state}"))
     if cell.region == "manual":
         return wrong((cell.state == MANUAL_DRIVING and bool(left), f"{left} left under the stick"))
-    leg = cell.leg.leg if cell.leg else None
-    flies = leg is not None and not LEGS[type(leg.kind)].ascends and len(cell.states) == 1
-    return wrong((flies and not left, "the set was not said again"))
+    holds = len(cell.states) == 1 and (cell.state == SURFACING or cell.leg is not None)
+    return wrong((holds and not left, "what holds was not said again"))
 
 
 def _to_the_surface(cell: Cell) -> Verdict:

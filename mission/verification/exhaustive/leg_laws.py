@@ -107,7 +107,8 @@ def _unanswered(cell: Cell) -> int:
 
 
 def _limits(cell: Cell) -> Verdict:
-    """R5, R8: a breach while autonomous surfaces; at rest the hard depth and a descent do."""
+    """R5, R8: a breach while autonomous surfaces; at rest, the stick let go, the hard depth and a
+    descent do; nothing else leaves the region."""
     limit, region = cell.event.limit, cell.configuration.region
     if not limit or limit == "uncertain":
         return None
@@ -118,9 +119,9 @@ def _limits(cell: Cell) -> Verdict:
         return wrong((cell.state != SURFACING, f"{limit}: the state is {cell.state}"))
     acts = region == "autonomous"
     if not acts:
-        same = cell.region == region or region == "manual"
-        ended = "emergency" if region == "emergency" else cell.region
-        return wrong((not same or cell.region != ended, f"{limit} acts in {region}: {cell.state}"))
+        left = region == "manual" and (everywhere or "minute" in cell.event.causes)  # once let go
+        same = cell.region == region or left
+        return wrong((not same, f"{limit} acts in {region}: {cell.state}"))
     ends_at_once = cell.configuration.leaf == IMPLICIT_SURFACE and WATER not in cell.line.has
     if not _real(cell) or ends_at_once:
         return None

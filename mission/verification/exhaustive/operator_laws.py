@@ -24,7 +24,7 @@ from mission.verification.exhaustive.laws import (
     Verdict,
     wrong,
 )
-from mission.verification.exhaustive.lines import ANSWERS, X
+from mission.verification.exhaustive.lines import ANSWERS, WATER, X
 from protocol.operator_words import WORDS
 from protocol.state_frame import MOST, STATES
 
@@ -289,6 +289,15 @@ def _tells_at_surface(cell: Cell) -> Verdict:
     return wrong((each != ["boat", "tender"], f"told {each}"))
 
 
+def _not_told_below(cell: Cell) -> Verdict:
+    """R11: what nobody asked for is told at the surface, whatever a receiver says below."""
+    told = [t for t in cell.answers(b"@VS") if t.reason == "at the surface"]
+    if not told or "depth" in cell.world.sea.unknown:
+        return None
+    deep = min(cell.before.depth, cell.world.sea.depth)
+    return wrong((deep > 2.0 * AT_SURFACE, f"told {deep:.1f} m deep, in {cell.state}"))
+
+
 def _stays_up(cell: Cell) -> Verdict:
     """Manual under AUTO closed has no mission to go back to (R13), nor has an emergency (R6)."""
     c = cell.configuration
@@ -336,5 +345,6 @@ OPERATOR_LAWS: tuple[Law, ...] = (
     Law("who does not command only reads", "R12", _others_read),
     Law("a late copy does nothing that is not in force", "R1, R12", _copies),
     Law("one @VS unasked at the surface", "R11", _tells_at_surface),
+    Law("no @VS unasked below it", "R11", _not_told_below, needs=frozenset({WATER})),
     Law("no mission out of an emergency or with AUTO closed", "R6, R13", _stays_up),
 )

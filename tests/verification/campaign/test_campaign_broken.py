@@ -66,6 +66,7 @@ SEEN = [
     ("commander", "other_commander", 0, "unlawful", "commands"),
     ("stop again", "deaf_to_x", 0, "unsent", "no X0"),
     ("stop doubted", "turns_after_a_stop", 0, "unsent", "a thruster is on"),
+    ("line doubted", "pulled", 11, "unsent", "the line is back"),
     ("refused set", "refused", 0, "unlawful", "answered N"),
     ("blind leg", "blind_compass", 0, "unlawful", "and still in"),
     ("above the bottom", "blind_above_the_bottom", 0, "unlawful", "would be clear"),

@@ -1,0 +1,57 @@
+"""Laws of the status that nobody asked for (R11): once, at the surface, and not below.
+
+What does not live here: what a status says (the runtime's tests), whether what is surfaced is up
+(surface_laws).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from mission.model import SURFACED, SURFACING, Tx
+from mission.verification.campaign.depth_laws import DEPTH_FAULTS
+from mission.verification.campaign.excuses import SLIGHT, lift
+from mission.verification.campaign.laws import Violation
+from mission.verification.campaign.story import SAME, Stay, Story
+from mission.verification.campaign.surface_laws import UNLAWFUL
+from mission.verification.rig.acts import TOPSIDE, Act
+
+_UNASKED = "at the surface"
+_UP, _SEEN = 1.0, 3  # m, and within s: the first fix, and a report that is 2 s old
+_DOUBTED, _SILENT = 40.0, 6.0  # s
+_TOLD = 5.0  # s from surfaced to the status
+_CONTRADICT = (*DEPTH_FAULTS, "verticals_")
+
+
+def status_laws(story: Story) -> Iterator[Violation]:
+    unasked = [a for a in story.answers if b"@VS" in a.data and a.reason == _UNASKED]
+    for told in unasked if story.upward else ():
+        yield from _is_told_up(story, told.t)
+    for stay in story.stays:
+        if stay.state == SURFACED and stay.before == SURFACING:
+            yield from _is_told(story, stay, unasked)
+
+
+def _is_told_up(story: Story, t: float) -> Iterator[Violation]:
+    """Where no depth is believed fixes as at the surface tell, made up or not; so they do where an
+    ascent ends, which surface_laws judge."""
+    state = story.stay_at(t).state
+    shallowest = min(story.depth(t - i) for i in range(_SEEN))
+    if state != SURFACED and shallowest > _UP and not _is_doubted(story, t):
+        says = f"told to be at the surface {story.depth(t):.1f} m deep, in {state}"
+        yield Violation(UNLAWFUL, t, says)
+
+
+def _is_doubted(story: Story, t: float) -> bool:
+    in_vain = lift(story.settings, story.profile, t) < SLIGHT  # pushes contradict a true depth
+    silent = not story.told_in(t - _SILENT, t)
+    return in_vain or silent or story.faulty(_CONTRADICT, t - _DOUBTED, t)
+
+
+def _is_told(story: Story, stay: Stay, unasked: list[Tx]) -> Iterator[Violation]:
+    t, due = stay.begin, stay.begin + _TOLD
+    parts = any(d.act is Act.PART for d in story.done)
+    if stay.end <= due or parts or story.hindered(t - 2.0, due):
+        return
+    if not any(a.link == TOPSIDE and t - SAME <= a.t <= due for a in unasked):
+        yield Violation(UNLAWFUL, t, "at the surface, and nobody was told")

@@ -1,0 +1,117 @@
+"""Laws of flights that no row of the broken rules needs: each is seen to be broken, and by name."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from types import SimpleNamespace
+
+import pytest
+
+from mission.engine import engine
+from mission.engine.core import Core
+from mission.engine.restart import begin_again
+from mission.model import STOPPED, SURFACED, SURFACING, Restarted
+from mission.onboard.runtime.operator_server import OperatorServer
+from mission.onboard.runtime.situation import Situation
+from mission.verification.campaign.draw import Plan, stage
+from mission.verification.campaign.faults import fly_plan, result_of
+from mission.verification.campaign.story import Stay
+from mission.verification.campaign.surface_laws import _is_asked_twice
+from mission.verification.rig.acts import MODEM, TOPSIDE
+from mission.verification.rig.trace import Said
+
+pytestmark = pytest.mark.proof  # long: make proofs
+
+
+def judged(plan: Plan) -> list[str]:
+    result = result_of(plan, fly_plan(plan, plan.vehicle), plan.vehicle, plan.profile)
+    return sorted({f"{each.kind}: {each.says}" for each in result.violations})
+
+
+@pytest.mark.replaces
+def test_what_was_stopped_and_begins_again_as_surfaced_is_seen(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """R7: a restart comes back to the very state: one floats up by itself, the other was up."""
+
+    def as_surfaced(core: Core, how: Restarted) -> None:
+        begin_again(core, replace(how, during=SURFACED) if how.during else how)
+
+    plan = stage("restarted_after_x", 0)
+    assert judged(plan) == []
+    monkeypatch.setattr(engine, "begin_again", as_surfaced)
+    assert judged(plan) == [f"unlawful: restarted out of {STOPPED} into {SURFACED}"]
+
+
+def eased(plan: Plan) -> Plan:
+    """Its stick is held beyond its range in the first half, as if at 12 of 12 and beyond."""
+    said = [d for incident in plan.incidents for d in incident.disturbances]
+    held = [d for d in said if d.data == b"@MMD6$"]
+    beyond = {id(d) for d in held[: len(held) // 2]}
+    incidents = (
+        replace(
+            incident,
+            disturbances=tuple(
+                replace(d, data=b"@MMD16$") if id(d) in beyond else d for d in incident.disturbances
+            ),
+        )
+        for incident in plan.incidents
+    )
+    return replace(plan, incidents=tuple(incidents))
+
+
+@pytest.mark.replaces
+def test_a_stick_that_was_held_beyond_its_range_and_takes_over_is_seen(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    plan = eased(stage("held_stick", 0))
+    assert judged(plan) == []
+    monkeypatch.setattr(OperatorServer, "_refuse_unfit", lambda self, peer, unfit, now: None)
+    assert any("unlawful: a stick heard" in says for says in judged(plan))
+
+
+@pytest.mark.replaces
+def test_a_status_that_tells_of_the_surface_below_it_is_seen(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(Situation, "_afloat", lambda self, now: True)
+    (says,) = judged(stage("restarted_after_x", 0))
+    assert says.startswith("unlawful: told to be at the surface ")
+
+
+@pytest.mark.replaces
+def test_a_surface_that_nobody_is_told_of_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:
+    plan = stage("heavy_when_surfaced", 0)
+    assert judged(plan) == []
+    monkeypatch.setattr(Situation, "owes_report", lambda self, now: False)
+    assert judged(plan) == ["unlawful: at the surface, and nobody was told"]
+
+
+CLEAR, X = b"@AC$", b"@ZAX0$"
+
+
+@pytest.mark.parametrize(
+    ("said", "state", "twice"),
+    [
+        ([(90.0, CLEAR)], STOPPED, True),
+        ([(90.0, CLEAR)], SURFACED, True),
+        ([(90.0, CLEAR)], SURFACING, False),
+        ([(96.0, CLEAR)], STOPPED, False),
+        ([(69.0, CLEAR)], STOPPED, False),
+        ([(90.0, CLEAR), (92.0, X)], STOPPED, False),
+        ([(88.0, X), (90.0, CLEAR)], STOPPED, True),
+        ([(85.0, CLEAR), (86.0, X), (90.0, CLEAR)], STOPPED, True),
+        ([], STOPPED, False),
+    ],
+)
+def test_a_first_clear_counts_where_and_when_it_may_be_repeated_and_with_no_order_behind_it(
+    said: Sequence[tuple[float, bytes]], state: str, twice: bool
+) -> None:
+    stay = Stay(state, 60.0, 100.0, "autonomous/out", None)
+    told = SimpleNamespace(
+        said=[Said(t, MODEM if t < 88.0 else TOPSIDE, "", data) for t, data in said],
+        stays=[stay],
+        stay_at=lambda t: stay,
+    )
+    assert _is_asked_twice(told, 100.0) is twice  # type: ignore[arg-type]
