@@ -1,6 +1,8 @@
 """The socket shell around a conversation with a Pi: connects, waits, gives up in words.
 
     Unreachable        (the operator must act: nobody listens, the connection broke)
+    Occupied           (another program has the port)
+    BrokenOff          (something else is to be said first)
 
 What does not live here: what is said (upload). Reads the monotonic clock, for its own waiting.
 """
@@ -13,7 +15,7 @@ from collections.abc import Callable, Iterator, Sequence
 from typing import Protocol
 
 from links import open_link
-from links.base import Link, LinkError, Rx
+from links.base import Link, LinkBusy, LinkError, Rx
 from mission.topside.monitor import Frame, Watched
 from mission.topside.underwater import BatchTalk, Submerged, modem_address
 from mission.topside.upload import Conversation, OperatorError, Script
@@ -21,11 +23,25 @@ from mission.topside.upload import upload as upload_script
 
 NAME = "vehicle"
 LOOK_S = 0.02
+BREAK_S = 0.2  # within which a conversation breaks off
 HANDSHAKE_S = 60  # of a monitor: as long as it gives its viewers
 
 
 class Unreachable(OperatorError):
     pass
+
+
+class Occupied(Unreachable):
+    pass
+
+
+class BrokenOff(OperatorError):
+    def __init__(self) -> None:
+        super().__init__("broken off by something else that is said")
+
+
+def _never() -> bool:
+    return False
 
 
 class Talk(Protocol):
@@ -44,12 +60,12 @@ class Talk(Protocol):
     def receive(self, data: bytes, now: float) -> list[bytes]: ...
 
 
-def converse(url: str, script: Script) -> str:
-    """What the script achieved. Raises OperatorError."""
+def converse(url: str, script: Script, broken: Callable[[], bool] = _never) -> str:
+    """What the script achieved. ``broken``: to be broken off. Raises OperatorError."""
     modem = modem_address(url)
     if modem is not None:
-        return hold(modem.link, Submerged(script, modem.acoustics))
-    return hold(url, Conversation(script))
+        return hold(modem.link, Submerged(script, modem.acoustics), broken)
+    return hold(url, Conversation(script), broken)
 
 
 def upload(
@@ -62,20 +78,24 @@ def upload(
     return hold(url, Conversation(upload_script(lines, digest, progress)))
 
 
-def hold(url: str, talk: Talk) -> str:
+def hold(url: str, talk: Talk, broken: Callable[[], bool] = _never) -> str:
     """The conversation over the link of this URL. Raises OperatorError."""
     try:
         link = open_link(NAME, url)
+    except LinkBusy as error:
+        raise Occupied(str(error)) from error
     except LinkError as error:
         raise Unreachable(str(error)) from error
     try:
         out = talk.begin(time.monotonic())
         while not talk.over:
+            if broken():
+                raise BrokenOff
             for frame in out:
                 link.send(frame, time.monotonic())
             due = talk.next_timer()
             wait = 0.05 if due is None else max(0.0, due - time.monotonic())
-            select.select([link.fileno()], [], [], wait)
+            select.select([link.fileno()], [], [], min(wait, BREAK_S))
             now = time.monotonic()
             out = [f for rx in link.receive(now) for f in talk.receive(rx.data, now)]
             out = out or talk.handle_timer(now)

@@ -15,9 +15,10 @@ from collections.abc import Callable
 from typing import Any, Protocol
 
 from links.base import LinkError
-from mission.topside.console import converse, observe
+from mission.topside.console import observe
 from mission.topside.looking import Looked, look
 from mission.topside.monitor import NoMonitor, Watched, wish
+from mission.topside.port import Port
 from mission.topside.showing import as_object
 from mission.topside.underwater import PREFIX
 from mission.topside.upload import OperatorError
@@ -28,10 +29,13 @@ STEP_S = 0.2
 
 
 class Source:
-    """Runs in a thread of its own. ``live``: there is a vehicle that can be commanded."""
+    """Runs in a thread of its own. ``live``: there is a vehicle that can be commanded. ``port``:
+    where it is asked, by looks that break off for orders."""
 
-    def __init__(self, fill: Callable[[Source], None], live: bool) -> None:
-        self.watched, self.problem, self.live = Watched(), "", live
+    def __init__(
+        self, fill: Callable[[Source], None], live: bool, port: Port | None = None
+    ) -> None:
+        self.watched, self.problem, self.live, self.port = Watched(), "", live, port
         self.stopped = threading.Event()
         self._fill = fill
 
@@ -63,19 +67,19 @@ def from_monitor(url: str, most: int = 16_000, past: str = "") -> Source:
 
 
 def from_frames(url: str) -> Source:
-    under_water = url.startswith(PREFIX)
+    under_water, port = url.startswith(PREFIX), Port(url)
 
     def fill(source: Source) -> None:
         began = time.monotonic()
         while not source.stopped.is_set():
             found: list[Looked] = []
-            converse(url, look(found.append, under_water=under_water, now=time.monotonic))
+            port.look(look(found.append, under_water=under_water, now=time.monotonic))
             now = time.monotonic()
             source.watched.take(frame_of(found[0], now - began), now)
             source.problem = ""
             source.stopped.wait(ASK_UNDER_WATER_S if under_water else ASK_S)
 
-    return Source(fill, live=True)
+    return Source(fill, live=True, port=port)
 
 
 def frame_of(looked: Looked, t: float) -> dict[str, Any]:

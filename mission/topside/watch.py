@@ -22,13 +22,13 @@ from textual.binding import Binding, BindingType
 from textual.containers import Horizontal, Vertical
 from textual.widgets import Footer, RichLog, Static
 
-from links.base import LinkError
 from mission.model.alarms import Alarm
 from mission.topside import panels
-from mission.topside.console import converse
+from mission.topside.console import BrokenOff
 from mission.topside.contacts import Contacts
 from mission.topside.orders import order
 from mission.topside.panels import Line
+from mission.topside.port import Port
 from mission.topside.sources import Source
 from mission.topside.underwater import PREFIX
 from mission.topside.upload import OperatorError, Script, clear, start_telling
@@ -64,6 +64,7 @@ class WatchApp(App[None]):
     def __init__(self, source: Source, to: str, memory: Path) -> None:
         super().__init__()
         self.source, self._to, self._contacts = source, to, Contacts(to, memory)
+        self._port = source.port or Port(to)
         self._known: frozenset[str] = frozenset()  # alarms that the bell has rung for
         self._shown = 0  # events
         self._asked: tuple[str, float] | None = None
@@ -145,7 +146,8 @@ class WatchApp(App[None]):
     def action_order(self, name: str) -> None:
         """At once, and never refused for what waits."""
         which = Order[name]
-        self._say(which.value, order(which, self._tell, under_water=self._to.startswith(PREFIX)))
+        script = order(which, self._tell, under_water=self._to.startswith(PREFIX))
+        self._say(which.value, script, urgent=True)
 
     def action_ask(self, name: str) -> None:
         if self._asked is None or self._asked[0] != name:
@@ -157,17 +159,26 @@ class WatchApp(App[None]):
         self._asked = None
         self._say(name, start_telling(0, self._contacts.started) if name == "start" else clear())
 
-    def _say(self, name: str, script: Script) -> None:
+    def _say(self, name: str, script: Script, *, urgent: bool = False) -> None:
         if not (self._to and self.source.live):
             self.said = f"{name}: there is nobody to be told; this is not a live vehicle"
             return
-        self.said = f"{name}: sent to {self._to} ..."
-        threading.Thread(target=self._converse, args=(name, script), daemon=True).start()
-
-    def _converse(self, name: str, script: Script) -> None:
         try:
-            self._tell(converse(self._to, script) or f"{name}: done")
-        except (OperatorError, LinkError) as error:
+            number = self._port.press(urgent=urgent)
+        except OperatorError as error:
+            self.said = f"{name}: {error}"
+            return
+        self.said = f"{name}: sent to {self._to} ..."
+        args = (name, script, number, urgent)
+        threading.Thread(target=self._converse, args=args, daemon=True).start()
+
+    def _converse(self, name: str, script: Script, number: int, urgent: bool) -> None:
+        try:
+            told = self._port.say(script, number, urgent=urgent, tell=self._tell)
+            self._tell(told or f"{name}: done")
+        except BrokenOff:
+            return  # what is said instead has the line
+        except OperatorError as error:
             self._tell(f"{name}: {error}")
 
     def _tell(self, text: str) -> None:

@@ -13,6 +13,7 @@ import struct
 import sys
 import termios
 import time
+import tty
 from collections.abc import Callable
 from fcntl import ioctl
 from pathlib import Path
@@ -241,6 +242,27 @@ def test_without_a_monitor_the_operators_port_is_asked(tmp_path: Path) -> None:
             await do(lambda: "ALARM old report" in screen.text("banner"))  # type: ignore[misc]
 
         driven(from_frames(pi.url), pi.url, tmp_path, play)
+
+
+def test_by_modem_x_leaves_at_the_first_press_also_while_a_look_has_the_port(
+    tmp_path: Path,
+) -> None:
+    ours, theirs = pty.openpty()
+    tty.setraw(theirs)
+    os.set_blocking(ours, False)
+    url, heard = f"modem+serial://{os.ttyname(theirs)}?range=800&rate=600", bytearray()
+
+    def has(word: bytes) -> bool:
+        with contextlib.suppress(BlockingIOError):
+            heard.extend(os.read(ours, 500))
+        return word in heard
+
+    async def play(_: Screen, do: Callable[..., object]) -> None:
+        await do(lambda: has(b"@AE$"))  # type: ignore[misc]
+        await do("x")  # type: ignore[misc]
+        await do(lambda: has(b"@ZAX0$"))  # type: ignore[misc]
+
+    driven(from_frames(url), url, tmp_path, play)
 
 
 def test_a_vehicle_that_is_not_there_is_said_to_be_and_taken_when_it_comes(tmp_path: Path) -> None:
