@@ -227,6 +227,10 @@ class Line:
         if job is not None and not job.urgent:
             _fail(job, f"{self.problem}; what was asked last may or may not have been done")
             self._job = None
+        for job in self._waiting:
+            if not job.urgent:
+                _fail(job, f"{self.problem}; not said: the connection was lost")
+        self._waiting = deque(job for job in self._waiting if job.urgent)
 
     def _steer(self, link: Link, now: float) -> None:
         if words := self.helm.words(now):

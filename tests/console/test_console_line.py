@@ -145,3 +145,36 @@ def test_a_vehicle_that_turns_the_line_away_is_not_asked_again_without_rest() ->
 
     asyncio.run(told())
     assert turned_away[2] - turned_away[0] >= 1.9 * AGAIN_S
+
+
+@pytest.mark.parametrize("urgent", [False, True])
+def test_what_waits_when_the_connection_is_lost_is_said_over_the_next_if_it_is_urgent_alone(
+    urgent: bool,
+) -> None:
+    connected: list[asyncio.StreamWriter] = []
+
+    async def says_nothing(_: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        connected.append(writer)
+
+    async def told() -> None:
+        vehicle = await asyncio.start_server(says_nothing, "127.0.0.1", 0)
+        line = Line(f"tcp://127.0.0.1:{vehicle.sockets[0].getsockname()[1]}")
+        keeping = asyncio.ensure_future(line.keep())
+        await until(lambda: len(connected) == 1 and line.is_open)
+        said = asyncio.ensure_future(line.say(without_end([])))
+        begun: list[str] = []
+        waits = asyncio.ensure_future(line.say(without_end(begun), urgent=urgent))
+        await asyncio.sleep(0)
+        connected[0].transport.abort()
+        await until(lambda: len(connected) == 2 and line.is_open)
+        await asyncio.wait([waits], timeout=1.0)
+        assert (waits.done(), begun) == ((False, ["begun"]) if urgent else (True, []))
+        keeping.cancel()
+        failed = (await asyncio.gather(said, waits, keeping, return_exceptions=True))[1]
+        assert ("not said" in str(failed)) != urgent
+        for writer in connected:
+            writer.transport.abort()
+        vehicle.close()
+        await asyncio.sleep(0)
+
+    asyncio.run(told())
