@@ -48,7 +48,8 @@ def stick(
 
     Hold a key to move. A key counts for 0.75 s, and on while it repeats: what is let go moves
     nothing more. On a pad the dead man's button has to be held. Whatever is lost, terminal, pad or
-    link, the vehicle is stopped within 2 s. In an emergency let go for 2 s, then push.
+    link, a vehicle that was moved is stopped within 2 s; one that was told nothing goes on. X is
+    said every second until it is acknowledged. In an emergency let go for 2 s, then push.
 
     What moves or holds the vehicle by the side of its setpoint (--output) works here, or by legs.
 

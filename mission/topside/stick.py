@@ -1,6 +1,7 @@
 """The shell around a stick: terminal, pad and link in one loop, and an end whatever is lost.
 
     keys, pad --> Helm --M--> link --> serve        @DU and @AQ in turn, every 0.5 s <-- answers
+               --X, every second until it is acknowledged, or the hand moves it again-->
 
 Whoever is lost (terminal, pad, this program), no further M is sent, and the vehicle is stopped by
 the Pi 2 s after the last (R6). A link that answers nothing for ``LOST_S`` is given up, and what has
@@ -44,6 +45,7 @@ from protocol.messages import (
 from protocol.topside import EMERGENCIES, Answer, ConsoleCodec, encode
 
 ASK_S = 0.5
+AGAIN_S = 1.0  # X (R1)
 LOST_S = 2.0
 _READ = 512
 _ABORT = struct.pack("ii", 1, 0)  # SO_LINGER: what waits is dropped
@@ -100,6 +102,7 @@ class Stick:
     _outputs: list[SetOutput] = field(default_factory=list)  # that wait to be said
     _asked: int = 0
     _ask_at: float = 0.0
+    _stop_at: float = math.inf  # when X is said again
 
     def steer(self, url: str) -> None:
         """Until the operator ends it. Raises Lost, Unreachable."""
@@ -115,12 +118,19 @@ class Stick:
         except LinkError as error:
             gone = True
             stays = "; outputs stay as it last heard them, until that makes them safe"
-            stops = "the vehicle stops 2 s after the last word" + stays * bool(self._seen.output)
-            raise Lost(f"{error}; {stops}") from error
+            raise Lost(f"{error}; {self._left()}{stays * bool(self._seen.output)}") from error
         finally:
             if not gone:
                 self._end(link)
             link.close()
+
+    def _left(self) -> str:
+        """What becomes of a vehicle that can be told nothing any more."""
+        if self._stop_at < math.inf:
+            return "your X was NOT acknowledged: `auvmission stop`"
+        if self._seen.sent:
+            return "the vehicle stops 2 s after the last word"
+        return "nothing was said to the vehicle: it goes on with what it does"
 
     def _step(self, link: Link) -> bool:
         """False when the operator has ended it."""
@@ -133,7 +143,9 @@ class Stick:
         self._helm.hold(self._push(now))
         if words := self._helm.words(now):
             link.send(b"".join(words), now)
-            self._seen.sent, self._seen.stop = b" ".join(words), ""
+            self._seen.sent, self._seen.stop, self._stop_at = b" ".join(words), "", math.inf
+        if now >= self._stop_at and self._helm.is_silent:
+            self._say_stop(link, now)
         self._set_outputs(link)
         if now >= self._ask_at:
             self._ask_at = now + ASK_S
@@ -174,8 +186,11 @@ class Stick:
         self._helm.drop()
         self._outputs.clear()  # an emergency makes them safe: none is as it was set
         self._seen.output = ""
-        link.send(EMERGENCIES[Order.STOP], time.monotonic())
-        self._seen.sent = EMERGENCIES[Order.STOP]
+        self._say_stop(link, time.monotonic())
+
+    def _say_stop(self, link: Link, now: float) -> None:
+        link.send(EMERGENCIES[Order.STOP], now)
+        self._seen.sent, self._stop_at = EMERGENCIES[Order.STOP], now + AGAIN_S
 
     def _set_outputs(self, link: Link) -> None:
         """Behind the stick's words, which some of them need; said once (R4)."""
@@ -199,6 +214,7 @@ class Stick:
                 self._seen.store = answer
             case Ack(group="Z"):
                 self._seen.stop = "X acknowledged" if answer.ok else "X NOT acknowledged"
+                self._stop_at = math.inf if answer.ok else self._stop_at
             case Ack(group="A", function="O") if self._seen.output:
                 said = self._seen.output.partition(":")[0]
                 self._seen.output = f"{said}: {'set' if answer.ok else 'REFUSED'}"

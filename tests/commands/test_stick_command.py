@@ -24,7 +24,7 @@ from mission.topside.joystick import SILENT_S, Joystick, Layout
 from mission.topside.keyboard import FIRST_S, NEXT_S, Keyboard, Switch, Wish
 from mission.topside.stick import LOST_S, Lost, Seen, Stick
 from protocol.framing import Frame
-from protocol.messages import Manual, SetOutput, Status, StoreReport, Telemetry
+from protocol.messages import Ack, Manual, SetOutput, Status, StoreReport, Telemetry
 from protocol.topside import TopsideCodec, encode
 from protocol.vehicles import frame_types
 
@@ -623,6 +623,89 @@ def test_a_link_that_is_lost_ends_the_stick_and_what_waited_never_arrives(tmp_pa
             radio.close()
             wire.close()
         assert radio.is_reset, "what the system still holds is dropped, not sent later"
+
+
+class Mute:
+    """A vehicle that may answer with ``acknowledges``, and leaves after ``stays`` X."""
+
+    def __init__(self, stays: int, acknowledges: bytes = b"") -> None:
+        self._server = socket.create_server(("127.0.0.1", 0))
+        self.url = f"tcp://127.0.0.1:{self._server.getsockname()[1]}"
+        self.heard: list[float] = []
+        self._stays, self._acknowledges = stays, acknowledges
+        self._thread = threading.Thread(target=self._run)
+        self._thread.start()
+
+    def _run(self) -> None:
+        boat, _ = self._server.accept()
+        asked = 0
+        with boat, suppress(OSError):
+            while len(self.heard) < self._stays and asked < 6:
+                data = boat.recv(4096)
+                self.heard += [time.monotonic()] * data.count(b"@ZAX0$")
+                asked += data.count(b"@DU$") + data.count(b"@AQ$")
+                boat.sendall(encode(Status(None, None, None)))
+                if b"@ZAX0$" in data:
+                    boat.sendall(self._acknowledges)
+
+    def close(self) -> None:
+        self._thread.join()
+        self._server.close()
+
+
+def lost_with(vehicle: Mute, keys: bytes) -> str:
+    """What the stick says at the end."""
+    ours, theirs = os.pipe()
+    os.write(theirs, keys)
+    try:
+        with pytest.raises(Lost) as lost:
+            Stick(ours, Keyboard(), lambda _: None).steer(vehicle.url)
+    finally:
+        vehicle.close()
+        os.close(ours)
+        os.close(theirs)
+    return str(lost.value)
+
+
+@pytest.mark.parametrize("answers", [b"", encode(Ack(0.0, "Z", "A", ord("N")))])
+def test_x_is_said_every_second_until_it_is_acknowledged(answers: bytes) -> None:
+    vehicle = Mute(3, answers)
+    said = lost_with(vehicle, b"x")
+    assert said.endswith("your X was NOT acknowledged: `auvmission stop`")
+    gaps = [b - a for a, b in zip(vehicle.heard, vehicle.heard[1:], strict=False)]
+    assert len(gaps) == 2
+    assert all(gap > 0.9 for gap in gaps)
+
+
+def test_an_x_that_is_acknowledged_is_said_no_more() -> None:
+    vehicle = Mute(2, encode(Ack(0.0, "Z", "A", ord("Y"))))
+    assert "NOT" not in lost_with(vehicle, b"x")
+    assert len(vehicle.heard) == 1
+
+
+def test_a_hand_that_moves_the_vehicle_again_ends_an_x_that_nobody_has_acknowledged() -> None:
+    vehicle = Mute(2)
+    ours, theirs = os.pipe()
+    keys = iter([b"x", *[b""] * 3])
+
+    def show(_: str) -> None:
+        os.write(theirs, next(keys, UP))
+
+    with pytest.raises(Lost, match="stops 2 s after the last word"):
+        Stick(ours, Keyboard(), show).steer(vehicle.url)
+    vehicle.close()
+    os.close(ours)
+    os.close(theirs)
+    assert len(vehicle.heard) == 1
+
+
+@pytest.mark.parametrize(
+    ("keys", "becomes"), [(b"", "goes on with what it does"), (UP, "stops 2 s after the last word")]
+)
+def test_a_link_that_is_lost_stops_a_vehicle_that_was_moved_and_no_other(
+    keys: bytes, becomes: str
+) -> None:
+    assert lost_with(Mute(1), keys).endswith(becomes)
 
 
 def test_without_a_terminal_or_by_modem_there_is_no_stick() -> None:
