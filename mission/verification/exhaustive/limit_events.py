@@ -118,7 +118,10 @@ def _goes_elsewhere(world: World) -> None:
     world.sea.depth = SHALLOW
     world.wait(2.0)
     world.sea.course_deg = world.sea.heading_deg + 120.0
+    course = math.radians(world.sea.course_deg)
     for _ in range(24):
+        world.sea.north += math.cos(course)
+        world.sea.east += math.sin(course)
         world.fix()
         world.wait(1.0)
 
