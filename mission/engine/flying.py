@@ -135,13 +135,14 @@ class Flying(EngineState):
         self.watch.blind_since = None
 
     def take_uncertain(self, row: Limit) -> None:
-        """Follows the mission's ``on uncertain``, once each time the position becomes uncertain."""
+        """Follows the mission's ``on uncertain``, once each time the position becomes uncertain; the
+        leg that it leads to is left in peace."""
         run = self.flying
         if run is None or self.uncertain or run.leaf == IMPLICIT_SURFACE:
             return
-        self.uncertain = True
         edge = run.uncertain()
         if edge is not None:
+            self.uncertain = True
             seen = Evaluation(
                 f"limit {row.name}", True, (("range", run.value("range", self.vehicle_state)),)
             )

@@ -12,7 +12,8 @@ from engine_world import VEHICLE, compiled, leg, mission, sets, when
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mission.authoring.compiler.compiler import MissionErrors
+from mission.authoring.compiler.compiler import MissionErrors, compile_mission
+from mission.authoring.language import digest, parse
 from mission.legs import Goto, Hold, Surface, Wait, Yoyo
 from mission.model import (
     AUTONOMOUS,
@@ -64,6 +65,18 @@ def test_a_timeout_without_else_leads_to_the_surface_or_where_the_mission_says()
     chart = compiled(mission(leg("a"), leg("b"), on_timeout="b"))
     assert targets(chart, path("a"), By.TIMEOUT) == [((), path("b"))]
     assert targets(chart, path("a"), By.ELSE) == [((), path("b"))]
+
+
+def test_the_missions_timeout_leads_to_its_own_leg_and_not_to_a_groups() -> None:
+    text = (
+        "mission m vehicle auv\nsafety radius 600 time 60min depth 30\n"
+        "group g:\nout: heading 0 gear 4 timeout 60s\nback: heading 90 gear 6 timeout 60s\nend\n"
+        "back: heading 180 gear 4 timeout 60s\non timeout -> back\non uncertain -> back\n"
+    )
+    parsed = parse(text)
+    chart = compile_mission(parsed, VEHICLE, digest(parsed))
+    leads = {edge.target for edge in chart.edges if edge.trigger == "autonomous/g/out:timeout"}
+    assert leads == {"autonomous/back"}
 
 
 def test_the_end_of_nested_rounds_has_one_edge_for_every_outcome():

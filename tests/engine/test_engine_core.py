@@ -249,6 +249,21 @@ def test_an_uncertainty_that_lasts_is_answered_once_and_one_that_ended_anew():
     assert world.state == "autonomous/out"
 
 
+def test_what_became_uncertain_where_uncertainty_leads_is_answered_behind_it():
+    away = leg("away", timeout=None, duration=20.0)
+    on = leg("on", settings=sets(surge=0.5, heading=0.0, depth=20.0), timeout=600.0)
+    world = World(mission(away, on, on_uncertain="away"))
+    assert world.start()
+    world.depth = 10.0
+    world.wait(2.0)
+    world.tell(SetSafety(radius=500.0))
+    world.nav.north, world.nav.covariance = 450.0, (1600.0, 0.0, 1600.0)
+    world.wait(10.0)
+    assert world.state == "autonomous/away"
+    world.wait(40.0)
+    assert [s.by for s in world.steps].count(By.UNCERTAIN) == 1
+
+
 def test_no_uncertainty_leads_out_of_the_implicit_leg():
     first = leg("first", timeout=None, duration=10.0)
     world = World(mission(first, on_uncertain="first"))

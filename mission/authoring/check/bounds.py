@@ -307,7 +307,7 @@ class LegBounds:
         """Along a heading, or about where it was entered."""
         around, heading = self.row.room(self.leg.kind), self.setpoint.heading
         if around or (self.speed and heading is None):
-            free = around or self.speed * time
+            free = around + self.row.within(self.leg.kind) if around else self.speed * time
             north = east = (-free, free)
         elif not self.speed or heading is None:
             north = east = (0.0, 0.0)
@@ -326,11 +326,9 @@ class LegBounds:
             made_east=plus(after.made_east, east),
         )
         error = self._error(moved)
-        swum = around or self.speed * (1.0 + SPEED_SHARE) * time
-        farthest = min(
-            after.range + swum + self.assume.current * time,
-            reach(moved.north, moved.east) + error,
-        )
+        swum = self.speed * (1.0 + SPEED_SHARE) * time + self.assume.current * time
+        about = free + error if around else math.inf  # by the estimate, about where it was entered
+        farthest = min(after.range + min(swum, about), reach(moved.north, moved.east) + error)
         return moved._replace(error=error, range=farthest)
 
     def _along(self, time: float, by: By, guard: Expression | None) -> Interval:

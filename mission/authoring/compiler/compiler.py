@@ -148,7 +148,11 @@ class _Compiler:
             self._connect(f"{path}:end", path, follow, By.END, leg.where)
         if leg.duration is not None:
             self._connect(f"{path}:for", path, follow, By.FOR, leg.where)
-        otherwise = self._ways.to(group, leg.otherwise or self._mission.on_timeout, leg.where)
+        otherwise = self._ways.to(
+            group if leg.otherwise else AUTONOMOUS,
+            leg.otherwise or self._mission.on_timeout,
+            leg.where,
+        )
         if leg.timeout is not None:
             self._connect(f"{path}:timeout", path, otherwise, By.TIMEOUT, leg.where)
         self._connect(f"{path}:else", path, otherwise, By.ELSE, leg.where)

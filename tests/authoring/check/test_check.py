@@ -45,6 +45,17 @@ def test_a_plain_mission_is_proved() -> None:
     assert found.proved.max_depth == pytest.approx(11.0)
 
 
+def test_rows_from_where_they_are_entered_reach_as_far_in_truth_as_any_by_an_estimate() -> None:
+    """The boat may be 20 % faster than its file says, and its compass off: 1275 m were flown."""
+    head = HEAD.replace("radius 1000", "radius 2000") + "assume current 0 start 5\n"
+    row = "a: rows 1 bearing 0 length 1000 spacing 10{} gear 8 depth 4 timeout 30min\nup: surface until fix timeout 5min\n"
+    here, home = (report(row.format(f), head).proved for f in ("", " from north 0 east 0"))
+    assert here is not None
+    assert home is not None
+    assert here.max_range > 1275.5
+    assert home.max_range < here.max_range < 1.1 * home.max_range
+
+
 def test_the_worst_time_takes_every_round_and_every_timeout() -> None:
     body = "repeat 3 box:\n a: heading 0 ZAF2 until travelled >= 5 timeout 40s\n b: heading 180 ZAF2 for 10s\nend\n"
     one = report(body.replace("repeat 3", "repeat 1")).proved
