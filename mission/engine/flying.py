@@ -135,8 +135,8 @@ class Flying(EngineState):
         self.watch.blind_since = None
 
     def take_uncertain(self, row: Limit) -> None:
-        """Follows the mission's ``on uncertain``, once each time the position becomes uncertain; the
-        leg that it leads to is left in peace."""
+        """Follows the mission's ``on uncertain``, once each time the position becomes uncertain.
+        The leg that it leads to is left in peace."""
         run = self.flying
         if run is None or self.uncertain or run.leaf == IMPLICIT_SURFACE:
             return

@@ -78,7 +78,8 @@ def place(watched: Watched, now: float) -> Iterator[Line]:
     if known.get("latitude") is None:
         yield Line("position   not known", CAREFUL)
     else:
-        yield Line(f"{'estimate':10} {known['latitude']:.6f} {known['longitude']:.6f}")
+        what = known.get("place", "estimate")
+        yield Line(f"{what:10} {known['latitude']:.6f} {known['longitude']:.6f}")
         if (ellipse := known.get("ellipse")) is not None:
             great, small, bearing = ellipse
             yield Line(
@@ -86,7 +87,7 @@ def place(watched: Watched, now: float) -> Iterator[Line]:
             )
     yield _aged("fix", watched.age("fix_at", now), FIX_S)
     yield _aged("report", watched.age("report_at", now), REPORT_S)
-    old = (watched.age("report_at", now) or 0.0) > REPORT_S
+    old = _is_old(watched, now)
     for name, unit in (("depth", "m"), ("altitude", "m"), ("heading", "deg"), ("speed", "m/s"),
                        ("battery", "V")):  # fmt: skip
         if name not in known:
@@ -97,15 +98,21 @@ def place(watched: Watched, now: float) -> Iterator[Line]:
         yield Line(f"{text}{'   OLD' if old else ''}", DIM if dim else PLAIN)
 
 
+def _is_old(watched: Watched, now: float) -> bool:
+    """So is a report of an age that is not known."""
+    age = watched.age("report_at", now)
+    return age is None or age > REPORT_S
+
+
 def _aged(name: str, age: float | None, within: float) -> Line:
     if age is None:
-        return Line(f"{name:10} none so far", CAREFUL)
+        return Line(f"{name:10} none so far, or of an age that is not known", CAREFUL)
     is_old = age > within
     return Line(f"{name:10} {ago(age)}{'   OLD' if is_old else ''}", CAREFUL if is_old else PLAIN)
 
 
 def margins(watched: Watched, now: float) -> Iterator[Line]:
-    is_old = (watched.age("report_at", now) or 0.0) > REPORT_S
+    is_old = _is_old(watched, now)
     for name, unit in _UNITS.items():
         left, limit = watched.state.get(name) or (None, None)
         what = f"{name.removeprefix('to_'):8}"

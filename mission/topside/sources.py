@@ -26,6 +26,7 @@ from mission.topside.upload import OperatorError
 AGAIN_S = 2.0  # after a failure
 ASK_S, ASK_UNDER_WATER_S = 1.0, 15.0  # R11
 STEP_S = 0.2
+MARGINS = ("depth_m", "radius_m", "time_min", "voltage_v")  # of as_object; none without @AE
 
 
 class Source:
@@ -86,7 +87,7 @@ def frame_of(looked: Looked, t: float) -> dict[str, Any]:
     """A look at the operator's port as a frame of the monitor at ``t``."""
     told = as_object(looked)
     place = told["estimate"] or told
-    margins = told["margins"] or {}
+    margins = told["margins"] or dict.fromkeys(MARGINS)
     ellipse = told["estimate"].get("within_m") if told["estimate"] else None
     state = {
         "state": told["state"],
@@ -95,6 +96,7 @@ def frame_of(looked: Looked, t: float) -> dict[str, Any]:
         "depth": told["depth_m"],
         "latitude": place["latitude"],
         "longitude": place["longitude"],
+        "place": "estimate" if told["estimate"] else "last fix",
         "ellipse": None if ellipse is None else [ellipse, ellipse, 0],
         "report_at": _before(t, looked.report_age),
         "fix_at": _before(t, looked.fix_age),

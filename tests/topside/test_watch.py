@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import json
+import math
 import os
 import pty
 import select
@@ -32,10 +33,12 @@ from mission.onboard.runtime.records import ListRecorder
 from mission.onboard.serve.viewing import Viewing
 from mission.topside import panels
 from mission.topside.contacts import Contacts
+from mission.topside.looking import Looked
 from mission.topside.monitor import Watched
 from mission.topside.panels import BAD, CAREFUL, DIM, GOOD, PLAIN
-from mission.topside.sources import Source, from_frames, from_monitor, from_recording
+from mission.topside.sources import Source, frame_of, from_frames, from_monitor, from_recording
 from mission.verification.simulation.flight import fly
+from protocol.messages import Fix, StateReport, Status, Telemetry
 
 screen, widgets = Later("mission.topside.watch"), Later("textual.widgets")  # and textual
 STATE = {
@@ -117,6 +120,24 @@ def test_a_vehicle_under_water_is_silent_after_two_looks_that_failed_and_not_bet
             said = "NOTHING NEW" in texts(panels.banner(known, now, (), boat.silent_s))
             names = [str(alarm.name) for alarm in boat.alarms(known, now, True)]
             assert (said, len(names) > 0) == (silent, silent)
+
+
+def test_without_an_answer_to_ae_nothing_is_of_now_and_the_last_fix_is_no_estimate() -> None:
+    known = StateReport(
+        "idle/ready", "nobody", 1.0, 2.0, 3.0, 0.0, 0.0, 1.0, 2.0, 3, 4.0, 0, "", ""
+    )
+    told = Status(
+        None, Fix(0.0, 0.5, 2.0, math.inf), Telemetry(0.0, depth=6.0, batteries=(12.0, 48.0))
+    )
+    shown = Watched()
+    for t, state, what in ((5.0, known, "estimate"), (20.0, None, "last fix")):
+        shown.take(frame_of(Looked(told, told, None, 0, state, 0.0), t), t)
+        place = texts(panels.place(shown, t)).splitlines()
+        old = "" if state else "   OLD"
+        assert place[0].startswith(f"{what:10} 28.6")
+        assert {f"depth      6 m{old}", f"battery    12 V{old}"} <= set(place)
+    margins = texts(panels.margins(shown, 20.0)).splitlines()
+    assert all(line.endswith("not known") for line in margins)
 
 
 def test_when_it_is_up_at_the_latest_is_told_from_the_start_on() -> None:
