@@ -178,7 +178,7 @@ class World:
             altitude=self._trembling(self.altitude),
             heading=self.heading,
             pitch=sways,
-            roll=self.roll + sways,
+            roll=self.roll or sways,
             temperature_c=15.0,
             actuators=NEUTRAL if self.stops and self.is_stopped else self.actuators,
             batteries=(12.0, 48.0),

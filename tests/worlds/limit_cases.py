@@ -184,9 +184,9 @@ def course(world: World, off_deg: float, fixes: int) -> None:
     world.depth = 0.2
     world.nav.speed = 0.75
     world.wait(2.0)
-    for _ in range(fixes):
+    for second in range(fixes):
         world.wait(1.0)
-        world.tell(world.fix(speed=0.8, course=math.radians(off_deg)))
+        world.tell(world.fix(north=0.8 + second, speed=0.8, course=math.radians(off_deg)))
 
 
 def thrust(world: World, share: float, count: int) -> None:
