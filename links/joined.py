@@ -90,7 +90,7 @@ class _End:
             self._ready.register(link.fileno(), select.EPOLLIN)
 
     def _renew(self, now: float) -> None:
-        if now < self._due:
+        if now < self._due <= now + RETRY_S:  # later: time has begun anew, with another engine
             return
         self._due = now + _LOOK_S
         if self._opening is None:

@@ -168,6 +168,25 @@ def test_an_end_that_is_lost_is_opened_again_while_the_other_goes_on(lost: int) 
     both.close()
 
 
+@pytest.mark.parametrize("lost", [0, 1], ids=["bus", "line"])
+def test_an_end_that_is_lost_is_found_though_time_begins_anew(lost: int) -> None:
+    """Behind a fault of the program the engine counts from 0 again, and the link lives on."""
+    plugs = Plug(), Plug()
+    both = JoinedLink("vehicle", *plugs)
+    plugs[lost].pull()
+    for word in (TO_BUS, TO_LINE) * 2:
+        both.send(word, 3600.0)
+    assert both.away is not None
+    plugs[lost].is_out = False
+    now = 0.0
+    while len(plugs[lost].ends) < 2 and now < 10.0 * RETRY_S:
+        now += 0.1  # the other end has something to say so often
+        both.receive(now)
+        time.sleep(0.005)  # a thread opens it
+    assert len(plugs[lost].ends) == 2
+    both.close()
+
+
 def test_it_is_closed_when_both_are_gone() -> None:
     bus, line = Plug(), Plug()
     both = JoinedLink("vehicle", bus, line)
