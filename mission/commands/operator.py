@@ -120,7 +120,7 @@ def start(to: str, wait: int, as_json: bool) -> None:
     def began(digest: str) -> None:
         _remembered().started(to, digest, time.time())
 
-    _converse(to, start_telling(wait, began), as_json)
+    _converse(to, start_telling(began, wait), as_json)
 
 
 @click.command()

@@ -30,9 +30,8 @@ from mission.topside.upload import (
     OperatorError,
     Refused,
     Script,
-    asked_store,
     clear,
-    start,
+    start_telling,
     upload,
 )
 from mission.topside.words import command, say
@@ -105,19 +104,12 @@ async def _say(asked: Asked, what: Script) -> str:
 
 
 async def _start(asked: Asked) -> str:
-    digest, vehicle = asked.text("digest")[:16], asked.vehicle
-    achieved = await _say(asked, _start_only(digest))
-    await asyncio.to_thread(vehicle.contacts.started, digest)
-    return achieved
-
-
-def _start_only(digest: str) -> Script:
-    """Raises Refused where another mission is on board than the one that was named."""
-    report = yield from asked_store()
-    if report.digest != digest or not digest:
-        held = report.digest or "no mission"
-        raise Refused(f"on board is {held}, and not {digest}")
-    return (yield from start())
+    digest, may_dive = asked.text("digest")[:16], list[str]()
+    try:
+        return await _say(asked, start_telling(may_dive.append, named=digest))
+    finally:
+        for started in may_dive:
+            await asyncio.to_thread(asked.vehicle.contacts.started, started)
 
 
 async def _clear(asked: Asked) -> str:

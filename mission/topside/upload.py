@@ -243,10 +243,15 @@ def start(patience: int = 0) -> Script:
     raise AssertionError
 
 
-def start_telling(patience: int, took: Callable[[str], None]) -> Script:
+def start_telling(
+    took: Callable[[str], None], patience: int = 0, named: str | None = None
+) -> Script:
     """``start``; ``took`` gets the digest of what was started, also where nobody answers: that one
-    may be under way, and have dived. It is asked for before, while the vehicle is still heard."""
+    may be under way, and have dived. It is asked for before, while the vehicle is still heard.
+    Raises Refused where another mission is on board than the one that is ``named``."""
     report = yield from asked_store()
+    if named is not None and (not named or report.digest != named):
+        raise Refused(f"on board is {report.digest or 'no mission'}, and not {named}")
     try:
         achieved = yield from start(patience)
     except NoAnswer:

@@ -157,7 +157,7 @@ class WatchApp(App[None]):
             self.said = f"{name} {mission} on {self._to}? {key} again says so"
             return
         self._asked = None
-        self._say(name, start_telling(0, self._contacts.started) if name == "start" else clear())
+        self._say(name, start_telling(self._contacts.started) if name == "start" else clear())
 
     def _say(self, name: str, script: Script, *, urgent: bool = False) -> None:
         if not (self._to and self.source.live):

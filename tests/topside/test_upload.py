@@ -211,7 +211,7 @@ def test_a_start_is_noted_though_nothing_is_heard_from_it_on_but_not_a_refused_o
 ) -> None:
     """The vehicle dives: its answer to @AA may be its last, or lost."""
     began: list[str] = []
-    talk = Conversation(start_telling(0, began.append))
+    talk = Conversation(start_telling(began.append))
     store = encode(StoreReport("ready", len(LINES), len(LINES), "", DIGEST[:16], "no fix"))
     verdict = b"" if answer is None else encode(Ack(0.0, "A", "A", answer))
     refused, asked = answer == ord("N"), False
@@ -223,6 +223,18 @@ def test_a_start_is_noted_though_nothing_is_heard_from_it_on_but_not_a_refused_o
         out = talk.receive(heard, now) or talk.handle_timer(now)
     assert began == noted
     assert talk.result == ("started" if answer == ord("A") else None)
+
+
+@pytest.mark.parametrize("named", ["0" * 16, ""])
+def test_a_start_of_another_mission_than_is_on_board_is_not_said_and_not_noted(named: str) -> None:
+    wire, began = Wire(), list[str]()
+    wire.hold(upload(LINES, DIGEST, quiet))
+    wire.sent.clear()
+    talk = wire.hold(start_telling(began.append, named=named))
+    assert isinstance(talk.failure, Refused)
+    assert f"on board is {DIGEST[:16]}" in str(talk.failure)
+    assert began == []
+    assert b"@AA$" not in wire.sent
 
 
 def test_clear_empties_the_store() -> None:
