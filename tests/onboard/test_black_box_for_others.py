@@ -16,6 +16,7 @@ from jsonschema import Draft202012Validator
 from mcap.reader import make_reader
 from mcap.stream_reader import StreamReader
 from recorded_flight import NOTES, recorded
+from served import noted_processes
 
 from mission.authoring.prepare import prepare
 from mission.legs.rows import Rows
@@ -25,7 +26,7 @@ from mission.navigation.geodesy import LocalFrame
 from mission.onboard import blackbox
 from mission.onboard.blackbox import (
     BlackBox,
-    close_folder,
+    close_each,
     close_part,
     close_recording,
     closed,
@@ -35,6 +36,7 @@ from mission.onboard.blackbox import (
 )
 from mission.onboard.blackbox.closed import CHUNK_S
 from mission.onboard.runtime import records as rec
+from mission.onboard.serve.closing import close_in_background
 from mission.onboard.stream.derived import Derivation, Message
 from mission.onboard.stream.plan import plan_geojson
 from mission.onboard.stream.topics import DERIVED, RAW, TOPICS
@@ -266,7 +268,7 @@ def test_what_is_damaged_of_the_first_form_or_closed_already_stays_as_it_is(
     copyfile(FIRST_FORM, old)
     copyfile(done, again)
     before = {path: path.read_bytes() for path in (box, old, again)}
-    assert close_folder(tmp_path, None) == 0
+    assert close_each(sorted(tmp_path.glob("*.mcap"))) == 0
     assert {path: path.read_bytes() for path in (box, old, again)} == before
 
 
@@ -274,15 +276,25 @@ def test_what_is_damaged_of_the_first_form_or_closed_already_stays_as_it_is(
 def test_what_a_power_cut_left_behind_is_closed_with_all_its_whole_records(box: Path) -> None:
     box.write_bytes(box.read_bytes()[:-300])
     records = list(read_records(box))
-    assert close_folder(box.parent, None) == 1
+    assert close_each([box]) == 1
     assert list(read_records(box)) == records
     with box.open("rb") as file:
         (metadata,) = list(make_reader(file).iter_metadata())
     assert metadata.metadata["end"].startswith("cut: ")
 
 
-def test_the_part_that_is_being_written_is_left_alone(box: Path) -> None:
-    assert close_folder(box.parent, box) == 0
+def test_what_is_being_written_is_left_alone_also_where_it_begins_while_others_are_closed(
+    box: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    written, begun = tmp_path / "written.mcap", tmp_path / "begun.mcap"
+    started, growing = noted_processes(monkeypatch), box.read_bytes()
+    written.write_bytes(growing)
+    close_in_background(tmp_path, written)
+    begun.write_bytes(growing)
+    (closing,) = started
+    closing.wait()
+    assert box.read_bytes() != growing, "it is closed"
+    assert written.read_bytes() == begun.read_bytes() == growing
 
 
 @pytest.mark.proof

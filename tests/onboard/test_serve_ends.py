@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 import itertools
 import json
 import signal
@@ -34,12 +33,11 @@ from mission.analysis.replay.replay import replay
 from mission.authoring.language import digest, script
 from mission.engine.restart import STOPS, UNANSWERED
 from mission.model import STOPPED, SURFACED, SURFACING
-from mission.onboard.blackbox import read_parts
+from mission.onboard.blackbox import BlackBox, read_parts
 from mission.onboard.runtime.records import RX, read_rx
 from mission.onboard.runtime.runtime import Runtime
 from mission.onboard.serve import ports
 from mission.onboard.serve import serve as shell
-from mission.onboard.serve.recording import Recording
 from mission.onboard.store import MemoryStore, Stored
 from mission.topside.console import converse
 from mission.topside.upload import start, status, upload
@@ -232,21 +230,34 @@ def test_a_fault_of_the_program_begins_another_drive_that_surfaces(
     assert all(replay(list(read_parts(p))).identical for p in (tmp_path / "log").iterdir())
 
 
-def test_only_the_last_black_box_of_a_serve_has_all_parts_closed(tmp_path: Path) -> None:
-    """Behind a fault of the program another box begins, which is not to be taken for a closed one."""
-    closed = list[tuple[Path, Path | None]]()
+def test_behind_a_fault_of_the_program_orders_do_not_wait_for_the_disk_nor_does_it_lose_a_record(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    ordered, closed = threading.Event(), threading.Event()
+    really = BlackBox.close
 
-    async def kept() -> None:
-        recording = Recording(print, lambda folder, but: closed.append((folder, but)))
-        recording.begin(tmp_path, 0.0)
-        await recording.shut(last=False)
-        assert closed == []
-        recording.begin(tmp_path, 1.0)
-        await recording.shut(last=True)
-        recording.end()
+    def close(box: BlackBox) -> None:
+        ordered.wait(PATIENCE / 2)
+        really(box)
+        closed.set()
 
-    asyncio.run(kept())
-    assert closed == [(tmp_path, None)]
+    monkeypatch.setattr(BlackBox, "close", close)
+    monkeypatch.setattr(shell, "REBIRTH_S", 0.1)
+    with (
+        silent_board() as (master, device),
+        running(tmp_path, f"serial://{device}") as pi,
+        pi.boat() as boat,
+    ):
+        with monkeypatch.context() as patch:
+            patch.setattr(Runtime, "receive", lambda *_: 1 // 0)
+            boat.sendall(b"@NI$")
+            soon(lambda: pi.has_told("a fault of the program"), "the fault")
+        soon(lambda: len(list((tmp_path / "log").iterdir())) == 2, "another black box")
+        boat.sendall(b"@ZAX0$")
+        soon(lambda: b"@ZAX0$" in read_now(master), "the operator's X")
+        assert not closed.is_set()
+        ordered.set()
+    assert all(replay(list(read_parts(p))).identical for p in (tmp_path / "log").iterdir())
 
 
 @pytest.mark.replaces

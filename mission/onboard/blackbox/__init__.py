@@ -11,7 +11,7 @@ What does not live here: what the payloads mean (runtime.records), what is deriv
 
 from mission.onboard.blackbox.box import BlackBox
 from mission.onboard.blackbox.closed import (
-    close_folder,
+    close_each,
     close_part,
     close_recording,
     notes_of,
@@ -38,7 +38,7 @@ __all__ = [
     "Gap",
     "GrowingBox",
     "Tail",
-    "close_folder",
+    "close_each",
     "close_part",
     "close_recording",
     "file_name",

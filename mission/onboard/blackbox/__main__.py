@@ -1,6 +1,6 @@
-"""The parts of black boxes in a folder into their last form, giving way to everything else.
+"""Parts of black boxes into their last form, giving way to everything else.
 
-python -m mission.onboard.blackbox FOLDER [PART]     all but PART, which is being written
+python -m mission.onboard.blackbox PART...
 """
 
 from __future__ import annotations
@@ -9,14 +9,14 @@ import os
 import sys
 from pathlib import Path
 
-from mission.onboard.blackbox.closed import close_folder
+from mission.onboard.blackbox.closed import close_each
 
 _GIVES_WAY = 19
 
 
-def main(folder: str, but: str = "") -> None:
+def main(*parts: str) -> None:
     os.nice(_GIVES_WAY)
-    close_folder(Path(folder), Path(but) if but else None)
+    close_each(map(Path, parts))
 
 
 if __name__ == "__main__":

@@ -99,16 +99,15 @@ def close_recording(path: Path, notes: Mapping[str, str] = _NOTHING) -> None:
         close_part(part, notes)
 
 
-def close_folder(folder: Path, but: Path | None) -> int:
-    """Every part in it but the one that is being written; how many were done. One that cannot be
-    read or written stays as it is."""
+def close_each(parts: Iterable[Path]) -> int:
+    """Nobody writes to them any more; how many were done. One that cannot be read or written stays
+    as it is."""
     done = 0
-    for path in sorted(folder.glob("*.mcap")):
-        if path != but:
-            try:
-                done += close_part(path)
-            except OSError:
-                continue
+    for path in parts:
+        try:
+            done += close_part(path)
+        except OSError:
+            continue
     return done
 
 

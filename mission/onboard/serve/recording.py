@@ -47,7 +47,9 @@ class Recording:
         return str(self.box.path) if self.box is not None else ""
 
     def begin(self, folder: Path, wall: float) -> None:
-        """A black box of its own for a runtime that begins."""
+        """A black box of its own for a runtime that begins; the disk closes the one before."""
+        if self.box is not None:
+            self._disk.submit(self.box.close)
         self.box = BlackBox(_free_path(folder, wall), wall, shell=True)
         self._failure = self.box.failure
         if self._failure:
@@ -59,12 +61,13 @@ class Recording:
         while True:
             await asyncio.sleep(FLUSH_S)
             box = self.box
-            if box is None:
+            if box is None or not ((data := box.take()) or box.failure):
                 continue
-            if (data := box.take()) or box.failure:
-                # shielded: what was taken is written even when this task is cancelled
-                stored = self._disk.submit(box.store, data, True)
-                await asyncio.shield(asyncio.wrap_future(stored))
+            # shielded: what was taken is written even when this task is cancelled
+            stored = self._disk.submit(box.store, data, True)
+            await asyncio.shield(asyncio.wrap_future(stored))
+            if box is not self.box:  # another has begun meanwhile
+                continue
             if box.path != self._part:  # the first, or another: those before it are closed
                 self._part = box.path
                 self._close_parts(box.path.parent, box.path)
@@ -92,13 +95,11 @@ class Recording:
         except OSError as error:
             self._tell(f"should the configuration break, this one cannot be kept for then: {error}")
 
-    async def shut(self, *, last: bool) -> None:
-        """``last``: no other box follows, which would close the parts before it."""
+    async def shut(self) -> None:
         box, self.box = self.box, None
         if box is not None:
             await asyncio.get_running_loop().run_in_executor(self._disk, box.close)
-            if last:
-                self._close_parts(box.path.parent, None)
+            self._close_parts(box.path.parent, None)
 
     def end(self) -> None:
         self._disk.shutdown()

@@ -212,7 +212,6 @@ class Server:
     async def _begin_again(self) -> None:
         self._spawn(self._processes.begin_again())
         await asyncio.sleep(REBIRTH_S)
-        await self._recording.shut(last=False)
         if not self._leaving.over:
             await self._begin()
         if self._leaving.ordered.is_set():
@@ -395,5 +394,5 @@ class Server:
             task.cancel()
         await asyncio.gather(*self._tasks, return_exceptions=True)
         await self._processes.end()
-        await self._recording.shut(last=True)
+        await self._recording.shut()
         self._recording.end()
