@@ -150,6 +150,17 @@ def test_who_commands_is_told_as_the_asker_sees_it() -> None:
     assert pi.told("other").commander == "network"
 
 
+def test_who_has_said_no_frame_for_10_s_is_told_as_no_commander() -> None:
+    pi = Pi()
+    pi.until(4.0)
+    pi.say(b"@AA$")
+    pi.until(13.5)
+    assert pi.told("other").commander == "network"
+    pi.until(14.5)
+    assert pi.told("other").commander == "nobody"
+    assert pi.told().commander == "asker", "whose question is a frame"
+
+
 def test_what_is_left_to_the_limits_is_told() -> None:
     pi = Pi()
     pi.until(4.0)

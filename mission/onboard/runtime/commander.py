@@ -45,15 +45,18 @@ class Commander:
         if self.peer == peer:
             self.peer = None
 
+    def at(self, now: float) -> Peer | None:
+        """Who commands then: nobody where who did has been silent."""
+        silent = now - self._heard.get(self.peer, -math.inf) if self.peer else math.inf
+        return self.peer if silent <= COMMANDER_SILENT_S else None
+
     def why_not(self, peer: Peer, now: float, said: float) -> str:
         """Why ``peer`` may not command what he has ``said`` then, and what may have been held
         since; "" if he may."""
         if said < self.ordered_at:
             return "an X or W, said behind it, has overtaken it"
-        other = self.peer
+        other = self.at(now)
         if other is None or other == peer:
-            return ""
-        if now - self._heard.get(other, -math.inf) > COMMANDER_SILENT_S:
             return ""
         return f"{other} commands; others read until it closes or is silent 10 s"
 

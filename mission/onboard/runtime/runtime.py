@@ -376,7 +376,7 @@ class Runtime:
         return self.situation.condition(*self._topside.refusals.last, now, self._gps.trouble)
 
     def state_report(self, asker: Peer, now: float) -> StateReport:
-        return self.situation.state_report(self.condition(now), asker, self.commander.peer, now)
+        return self.situation.state_report(self.condition(now), asker, self.commander.at(now), now)
 
     def set_clock(self, time: str, now: float) -> None:
         self._clock.set(time, now)
