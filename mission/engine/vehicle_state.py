@@ -318,9 +318,9 @@ class VehicleState:
         """For an ascent: s; the depth for its change; whether it is upside down; may be, unseen."""
         told, depth, attitude = self.telemetry, self.moving_depth, self.attitude
         silent = told is None or self.now - told.t > self.stale_after
-        over = attitude.overturned and not silent and not (attitude.frozen and depth is None)
-        doubtful = attitude.doubtful(self.now) or (attitude.overturned and silent)
-        return self.now, depth, over, doubtful
+        over, untold = self.overturned, silent or (attitude.frozen and depth is None)
+        doubtful = attitude.doubtful(self.now) or (over and silent)
+        return self.now, depth, over and not untold, doubtful
 
     @property
     def submerged(self) -> bool:
