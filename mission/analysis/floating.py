@@ -14,13 +14,13 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
+from mission.engine.thrust import NEUTRAL, THRUSTERS
 from protocol.messages import Fix, Telemetry
 
 SETTLE = 3.0  # s: twice what mass over drag lets the speed lag
 TOP = 0.5  # m
 ENOUGH = 3  # rises
 FREE = 4  # depths more than figures, without which the vehicle file's noise counts
-_NEUTRAL, _THRUSTERS = 0.02, 5  # share of full thrust, of the first actuators
 _GAP = 10.0  # s without a report ends a rise
 _DEEPEST = 1000.0  # m: deeper is no depth
 
@@ -83,5 +83,5 @@ def _rises(reports: Iterator[Telemetry]) -> Iterator[list[tuple[float, float]]]:
 def _is_neutral(report: Telemetry) -> bool:
     """A vehicle that does not say what its thrusters do tells nothing of its buoyancy."""
     return report.actuators is not None and all(
-        abs(a) <= _NEUTRAL for a in report.actuators[:_THRUSTERS]
+        abs(a) <= NEUTRAL for a in report.actuators[:THRUSTERS]
     )

@@ -14,7 +14,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from mission.analysis.extremes import TRACKED_BY
-from mission.engine.vehicle_state import THRUSTERS
+from mission.engine.thrust import THRUSTERS
 from mission.engine.words import in_words
 from mission.model import STOPPED, SURFACED, SURFACING, Position, Step
 from mission.model.regions import EMERGENCY, IDLE

@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+from mission.engine.thrust import turns
 from protocol.messages import Telemetry
 
 OVERTURNED = math.radians(120.0)  # |roll| or |pitch|
@@ -18,7 +19,6 @@ _REPORTS = 3
 _FULL_CIRCLE = math.radians(180.5)  # beyond it is no angle
 _SAME = 1e-9  # rad
 _FROZEN = 4  # repeats
-_NEUTRAL, _THRUSTERS = 0.02, 5  # share of full thrust; of the actuators
 _BROKEN_FOR = 60.0  # s for which a sensor that said what is no angle tells nothing
 
 
@@ -67,11 +67,10 @@ class Attitude(NamedTuple):
         return Attitude(roll, pitch, reports, told=True, broken=broken, same=same)
 
     def _repeated(self, report: Telemetry, roll: float, pitch: float) -> tuple[int, int]:
-        turns = any(abs(share) > _NEUTRAL for share in (report.actuators or ())[:_THRUSTERS])
-        rolls, pitches = self.same
+        (rolls, pitches), more = self.same, turns(report)
         return (
-            rolls + turns if roll == self.roll else 0,
-            pitches + turns if pitch == self.pitch else 0,
+            rolls + more if roll == self.roll else 0,
+            pitches + more if pitch == self.pitch else 0,
         )
 
 

@@ -14,6 +14,7 @@ import statistics
 from typing import Any, Protocol, Self
 
 from mission.engine.attitude import Attitude
+from mission.engine.thrust import MAINS, THRUSTERS
 from mission.legs.base import Point, wrap
 from mission.model import (
     CONTRADICTED,
@@ -33,7 +34,6 @@ from protocol.messages import Aid, Fix, Setpoint, Telemetry
 SURFACE_DEPTH = 0.5  # m (R7)
 IN_AIR = -FIX_DEPTH  # m: no zero of a sensor to go by is off by as much (R5)
 SURFACE_TIME = 6.0  # s (R7)
-MAINS, THRUSTERS = 2, 5  # of the actuators: the first are the mains; rudders follow
 _ALL = 0.75  # share of full thrust: as deep, or as high, as it goes
 _POSITION_PERIOD = 1.0  # s: the errors of one second's positions are one error
 _ESTIMATE_AGE = 2.5  # s: older, and it is reckoned on to now

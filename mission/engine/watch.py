@@ -16,7 +16,8 @@ from typing import Self
 
 from mission.engine.areas import Fence
 from mission.engine.bounds import Bounds
-from mission.engine.vehicle_state import SURFACE_DEPTH, THRUSTERS, VehicleState
+from mission.engine.thrust import NEUTRAL, THRUSTERS, turns
+from mission.engine.vehicle_state import SURFACE_DEPTH, VehicleState
 from mission.legs.base import wrap
 from mission.model.copies import copied
 from mission.model.units import GEARS
@@ -36,7 +37,6 @@ _STUCK_TIME = 120.0  # s without coming nearer: a dive at a tenth of its pace do
 _NEARER, _OFF = 0.5, 2.0  # m: of that time, and what is not there yet
 _APART = math.radians(60.0)
 _UNDER_WAY = 0.4  # m/s through the water and over ground: a weaker one is no course
-_NEUTRAL = 0.02  # share of full thrust
 _SETTLE = 0.5  # s from an ACK to thrusters that turn
 _OWN_END = 8.0  # s without a depth in which a leg that holds one is left
 _BACK = 3.0  # s from thrust that is said to a report that shows it, and one more
@@ -266,13 +266,11 @@ class Watch:
 
     def course_apart(self) -> bool | None:
         """At the surface and under way ahead, the course more than 60 deg off the heading."""
-        fix: Fix | None = self.vehicle_state.fix
+        fix: Fix | None = self.vehicle_state.fix if self.vehicle_state.receiver.fresh else None
         e, depth = self.vehicle_state.estimate, self.vehicle_state.depth
         if fix is None or fix.course is None or fix.speed is None or e is None or e.heading is None:
             return None
         if self.sent is None or depth is None or not self.vehicle_state.health("heading").valid:
-            return None
-        if not self.vehicle_state.receiver.fresh:
             return None
         ahead = self.vehicle.speed_by_gear.at(GEARS * self.sent.surge)
         if ahead < _UNDER_WAY or fix.speed < _UNDER_WAY or depth >= SURFACE_DEPTH:
@@ -286,14 +284,14 @@ class Watch:
             return False
         if self.vehicle.drives and report.velocity is not None:
             return report.t >= since + _ROLLS_OUT and abs(report.velocity[0]) > _STANDS
-        return any(abs(a) > _NEUTRAL for a in (report.actuators or ())[:THRUSTERS])
+        return turns(report)
 
     def neutral(self, since: float) -> bool:
         """A report from well after then says that no thruster is on; two can have said so."""
         report = self.vehicle_state.telemetry
         if report is None or not report.actuators or report.t < since + _BACK:
             return False
-        return all(abs(a) <= _NEUTRAL for a in report.actuators[:THRUSTERS])
+        return all(abs(a) <= NEUTRAL for a in report.actuators[:THRUSTERS])
 
     def powerless(self) -> bool | None:
         """Thrust is set and acknowledged, and every thruster is neutral. None, too, where the Pi
@@ -305,7 +303,7 @@ class Watch:
             return False
         if report.t < self.accepted_at + _SETTLE or not self._closes(report.t, sent):
             return None
-        if any(abs(a) > _NEUTRAL for a in report.actuators[:THRUSTERS]):
+        if turns(report):
             self.repeated = False
             return False
         return True

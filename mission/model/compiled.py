@@ -53,6 +53,7 @@ MODULES = (
     "mission.engine.restart",
     "mission.engine.run",
     "mission.engine.state",
+    "mission.engine.thrust",
     "mission.engine.variables",
     "mission.engine.vehicle_state",
     "mission.engine.watch",

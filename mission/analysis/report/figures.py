@@ -21,7 +21,7 @@ from mission.analysis.report.numbers import along
 from mission.analysis.report.words import simulated
 from mission.analysis.resting import SILENT_S
 from mission.engine.limits import LIMITS
-from mission.engine.vehicle_state import THRUSTERS
+from mission.engine.thrust import THRUSTERS
 from mission.navigation.filter import Array
 
 if TYPE_CHECKING:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
 
 import pytest
@@ -232,6 +233,21 @@ def test_the_else_of_a_leg_without_an_echo_is_a_false_alarm_where_the_altimeter_
     assert len(list(alarms(trial, flown("auv")))) == alarmed
 
 
+def held_up(depth: Callable[[int], float], *events: Tx) -> Trace:
+    """Out of surfaced up again by itself, and a thruster on at the end; ``depth``: m in each s."""
+    steps = [
+        Step(t, "", (), (), (state,), (), trigger, None)
+        for t, state, trigger in (
+            (5.0, SURFACED, "surfaced"),
+            (25.0, SURFACING, "limit"),
+            (40.0, SURFACED, "surfaced"),
+        )
+    ]
+    trial = seen((*events, *steps), SURFACED)
+    track = [trial.truth._replace(t=float(t), depth=depth(t)) for t in range(50)]
+    return replace(trial, track=tuple(track), truth=track[-1], turning=True)
+
+
 @pytest.mark.parametrize(
     ("deep", "when", "lost_by"),
     [
@@ -244,17 +260,7 @@ def test_the_else_of_a_leg_without_an_echo_is_a_false_alarm_where_the_altimeter_
 )
 def test_what_sank_out_of_surfaced_as_its_fixes_tell_is_held_up(deep, when, lost_by) -> None:
     """As flights 2405 of seed 4707, up again by then, and 5224 of seed 5010, 0.1 N too heavy."""
-    steps = [
-        Step(t, "", (), (), (state,), (), trigger, None)
-        for t, state, trigger in (
-            (5.0, SURFACED, "surfaced"),
-            (25.0, SURFACING, "limit"),
-            (40.0, SURFACED, "surfaced"),
-        )
-    ]
-    trial = seen(tuple(steps), SURFACED)
-    track = [trial.truth._replace(t=float(t), depth=deep if t in when else 0.2) for t in range(50)]
-    held = replace(trial, track=tuple(track), truth=track[-1], turning=True)
+    held = held_up(lambda t: deep if t in when else 0.2)
     assert lost(held, "documented", Settings()).startswith(lost_by)
     assert bool(lost(held, "documented", Settings())) is bool(lost_by)
 
@@ -263,17 +269,7 @@ def test_what_sank_out_of_surfaced_as_its_fixes_tell_is_held_up(deep, when, lost
 def test_what_is_held_up_because_its_receiver_was_switched_off_is_not_lost(off, is_lost) -> None:
     """As flight 18727 of seed 5313: nobody knows its depth, and its fixes have ended."""
     switched = () if off is None else (Tx(off, "nodes", b"BDGPS C", "operator @NS"),)
-    steps = [
-        Step(t, "", (), (), (state,), (), trigger, None)
-        for t, state, trigger in (
-            (5.0, SURFACED, "surfaced"),
-            (25.0, SURFACING, "limit"),
-            (40.0, SURFACED, "surfaced"),
-        )
-    ]
-    trial = seen((*switched, *steps), SURFACED)
-    track = [trial.truth._replace(t=float(t), depth=0.2) for t in range(50)]
-    held = replace(trial, track=tuple(track), truth=track[-1], turning=True)
+    held = held_up(lambda t: 0.2, *switched)
     assert bool(lost(held, "documented", Settings())) is is_lost
 
 
