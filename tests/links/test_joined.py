@@ -7,14 +7,18 @@ import select
 import time
 from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
-from served import silent_board
+from served import running, silent_board, soon
 
 from links import LinkAddressError, check_url, open_link
 from links.base import LinkAbsent, LinkClosed, Rx
 from links.joined import RETRY_S, JoinedLink, open_whole
 from mission.model.shipped import load_vehicle
+from mission.onboard.runtime.runtime import Runtime
+from mission.onboard.serve import ports
+from mission.onboard.serve import serve as shell
 from protocol.messages import Setpoint
 from protocol.vehicles import codec, link
 
@@ -219,3 +223,29 @@ def test_what_a_thread_opens_for_a_link_that_was_closed_is_closed() -> None:
 
 def test_the_shipped_vehicle_speaks_to_both() -> None:
     assert load_vehicle("mainboard").codec == "mainboard"
+
+
+def test_an_end_that_is_away_is_back_behind_a_fault_of_the_program_however_long_that_had_run(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    bus, line = Plug(), Plug()
+    really = ports.open_link
+    monkeypatch.setattr(
+        ports,
+        "open_link",
+        lambda name, url: JoinedLink(name, bus, line) if name == "vehicle" else really(name, url),
+    )
+    monkeypatch.setattr(shell, "REBIRTH_S", 0.1)
+    passed: list[float] = []
+    clocks = SimpleNamespace(time=time.time, monotonic=lambda: time.monotonic() + sum(passed))
+    monkeypatch.setattr(shell, "time", clocks)
+    with running(tmp_path, "serial:///dev/none", kind="mainboard") as pi:
+        passed.append(3600.0)
+        bus.pull()
+        soon(lambda: pi.has_told("it went away"), "lost")
+        with monkeypatch.context() as patch:
+            patch.setattr(Runtime, "handle_timer", lambda *_: 1 // 0)
+            soon(lambda: pi.has_told("a fault of the program"), "the fault")
+        soon(lambda: len(list((tmp_path / "log").iterdir())) == 2, "another engine")
+        bus.is_out = False
+        soon(lambda: len(bus.ends) == 2, "back", within=20.0)

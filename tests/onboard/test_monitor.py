@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import itertools
 import json
 import socket
@@ -18,6 +19,7 @@ from served import PATIENCE, running, silent_board, simulated, soon
 from links import open_link
 from links.base import LinkError
 from mission.commands.monitor import monitor as monitor_command
+from mission.onboard.serve import viewing
 from mission.onboard.serve.journal import OF_A_KIND
 from mission.onboard.serve.keys import make_keys
 from mission.onboard.serve.listening import listening_to_viewers
@@ -209,6 +211,40 @@ def test_what_comes_later_is_in_the_state_and_not_told_twice() -> None:
         show.monitor.past.take(reported(float(t)))
         assert all("past" not in json.loads(frame) for frame in show.settle(reported(float(t))))
     assert show.watched.past.rows == show.monitor.past.rows
+
+
+def test_behind_a_fault_of_the_program_the_track_goes_on_and_the_past_is_the_new_engines(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(viewing, "TRACK_S", 0.0)
+    seen: list[float] = []
+    place = {"latitude": 30.0, "longitude": 120.0}
+    show = viewing.Viewing(
+        "memory://x", lambda: (seen[-1], {**reported(seen[-1]), **place}, ()), lambda _: None
+    )
+
+    async def flown() -> None:
+        looking = asyncio.get_running_loop().create_task(show.keep())
+        for t in (100.0, 160.0, 1.0, 21.0):
+            seen.append(t)
+            while not show.monitor.track.points or show.monitor.track.points[-1][0] != t:
+                await asyncio.sleep(0.01)
+        looking.cancel()
+
+    asyncio.run(asyncio.wait_for(flown(), PATIENCE))
+    assert [point[0] for point in show.monitor.track.points] == [100.0, 160.0, 1.0, 21.0]
+    assert [row[0] for row in show.monitor.past.rows] == [1.0, 21.0]
+
+
+def test_who_looks_on_all_along_is_told_the_past_of_another_engine_from_its_begin() -> None:
+    show, told = Show(past="all"), list[float]()
+    for begin in (100.0, 0.0):
+        show.monitor.begin_again()
+        for n in range(5):
+            show.monitor.past.take(reported(begin + n))
+            frames = map(json.loads, show.settle(reported(begin + n)))
+            told += [row[0] for frame in frames for row in frame.get("past", ())]
+    assert told == [begin + n for begin in (100.0, 0.0) for n in range(5)]
 
 
 def test_who_wishes_for_no_past_is_told_none() -> None:

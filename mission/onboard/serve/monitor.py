@@ -74,9 +74,10 @@ class Track:
         self._every = TRACK_EVERY_S
 
     def add(self, t: float, latitude: float, longitude: float, depth: float | None) -> None:
-        if self.points and t < self.points[-1][0] + self._every:
+        t = round(t, 1)
+        if self.points and 0.0 <= t - self.points[-1][0] < self._every:  # below: of another engine
             return
-        self.points.append((round(t, 1), round(latitude, 7), round(longitude, 7), depth))
+        self.points.append((t, round(latitude, 7), round(longitude, 7), depth))
         if len(self.points) > TRACK:
             self.points = self.points[::2]
             self._every *= 2.0
@@ -151,6 +152,12 @@ class Monitor:
             self._plan = lines
             for viewer in self.viewers.values():
                 viewer.plan = ("", *lines)
+
+    def begin_again(self) -> None:
+        """Another engine has begun, with a time of its own: nothing was before it."""
+        self.past = Past()
+        for viewer in self.viewers.values():
+            viewer.before, viewer.passed, viewer.past_thinned = (), 0, 0
 
     def connected(self, address: str, now: float) -> None:
         plan = ("", *self._plan) if self._plan else ()

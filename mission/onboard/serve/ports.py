@@ -42,7 +42,7 @@ class Port:
         self._readable, self._changed, self._tell = readable, changed, tell
         self.link: Link | None = None
         self.received = self.sent = 0  # bytes
-        self.heard: float | None = None  # the engine's time
+        self.heard: float | None = None  # when last, by the clock of who asks
         self._told = ""
         self._spacer = TxSpacer(0.0, BAUD)
         self._closed, self._tried = asyncio.Event(), asyncio.Event()

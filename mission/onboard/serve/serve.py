@@ -5,8 +5,8 @@
     peers -------------> connected, ...  --+     records --every 0.1 s, in a thread--> black box
 
 What an operator should read goes to the journal, how everything is to status.json (health).
-The wall clock and the monotonic clock are read here and nowhere else in the sea's way; the engine's
-time begins with the runtime, ``speed`` times as fast as real time (a demonstration; 1 at sea).
+The wall clock and the monotonic clock are read here and nowhere else in the sea's way. The engine's
+time begins with the runtime, the ports' with serve, ``speed`` times as fast as real time (a demo).
 The filter is imported in a thread once the ports are there; until then @AA is refused.
 
 A fault of the program ends the runtime, not the vehicle: it is told, and another begins as
@@ -95,7 +95,7 @@ class Server:
         )
         self._commander: Peer | None = None
         self._runtime: Runtime | None = None
-        self._zero = 0.0
+        self._zero = 0.0  # of the engine's time, in that of the ports
         self._timer: asyncio.TimerHandle | None = None
         self._peers: dict[str, frozenset[str]] = {}
         self._tasks: set[asyncio.Task[None]] = set()
@@ -143,7 +143,11 @@ class Server:
 
     def now(self) -> float:
         """The engine's time."""
-        return (time.monotonic() - self._zero) * self._speed
+        return self._up() - self._zero
+
+    def _up(self) -> float:
+        """The ports' time: no other engine turns it back."""
+        return (time.monotonic() - self._began) * self._speed
 
     # --- the runtime ---------------------------------------------------------------------------
 
@@ -151,7 +155,7 @@ class Server:
         """A runtime with its black box, from what the store holds."""
         wall = time.time()
         self._recording.begin(self._configuration.log, wall)
-        self._zero = time.monotonic()
+        self._zero = self._up()
         try:
             self._runtime = Runtime(
                 self._configuration,
@@ -174,9 +178,8 @@ class Server:
 
     async def _navigate(self, runtime: Runtime) -> None:
         """The import of the filter and the check takes a while: not in this thread."""
-        loop = asyncio.get_running_loop()
         try:
-            navigation = await loop.run_in_executor(None, prepare, runtime)
+            navigation = await asyncio.to_thread(prepare, runtime)
         except Exception:
             self._journal.fault("navigation cannot be loaded, no mission can start:")
             self._journal.fault(traceback.format_exc())
@@ -220,8 +223,7 @@ class Server:
     # --- in ----------------------------------------------------------------------------------
 
     def _readable(self, port: Port) -> None:
-        now = self.now()
-        heard = port.receive(now)
+        heard = [rx._replace(t=rx.t - self._zero) for rx in port.receive(self._up())]
         self._meet(port)
         if port.name == TOPSIDE:
             heard = self._sifted(port, heard)
@@ -263,12 +265,10 @@ class Server:
         self._schedule()
 
     def _meet(self, port: Port) -> None:
-        known = self._peers.get(port.name, frozenset())
-        for address in port.peers:
-            if address not in known:
-                self._peers[port.name] = self._peers[port.name] | {address}
-                self._journal.info(f"topside: {address} is connected", host_of(address), "arrivals")
-                self._do(lambda d, a=address: d.connected(port.name, a, self.now()))  # type: ignore[misc]
+        for address in [a for a in port.peers if a not in self._peers.get(port.name, ())]:
+            self._peers[port.name] = self._peers[port.name] | {address}
+            self._journal.info(f"topside: {address} is connected", host_of(address), "arrivals")
+            self._do(lambda d, a=address: d.connected(port.name, a, self.now()))  # type: ignore[misc]
 
     def _part(self, port: Port) -> None:
         for address in self._peers.get(port.name, frozenset()) - set(port.peers):
@@ -288,24 +288,27 @@ class Server:
         if self._timer is not None:
             self._timer.cancel()
             self._timer = None
-        dues = [port.next_event() for port in self._ports.values()]
-        if self._runtime is not None:
-            dues.append(self._runtime.next_timer())
-        due = min((d for d in dues if d is not None), default=float("inf"))
+        dues = [event for event, _ in self._events()]
+        if self._runtime is not None and (timer := self._runtime.next_timer()) is not None:
+            dues.append(timer)
+        due = min(dues, default=float("inf"))
         delay = max(0.0, (due - self.now()) / self._speed)
         delay = min(delay, self._watchdog.remaining(time.monotonic()))
         if delay != float("inf"):
-            loop = asyncio.get_running_loop()
-            self._timer = loop.call_later(delay, self._due, due)
+            self._timer = asyncio.get_running_loop().call_later(delay, self._due, due)
+
+    def _events(self) -> list[tuple[float, Port]]:
+        """When each port is to be looked at though nothing comes."""
+        events = ((port.next_event(), port) for port in self._ports.values())
+        return [(event - self._zero, port) for event, port in events if event is not None]
 
     def _due(self, due: float) -> None:
         self._timer = None
         now = self.now()
         if now < due <= now + EARLY_S * self._speed:
             now = due
-        for port in self._ports.values():
-            event = port.next_event()
-            if event is not None and event <= now:
+        for event, port in self._events():
+            if event <= now:
                 self._readable(port)
         self._do(lambda runtime: runtime.handle_timer(now))
 
@@ -326,7 +329,7 @@ class Server:
             if why := set_system_clock(local, offset):
                 self._tell(f"the system's clock was not set: {why}")
         elif (port := self._ports.get(tx.link)) is not None:
-            sent = port.send(tx.data, self.now(), tx.address)
+            sent = port.send(tx.data, self._up(), tx.address)
             self._part(port)
         if tx.link == VEHICLE:
             self._journal.commanded(tx, sent)
@@ -336,8 +339,7 @@ class Server:
             self._journal.answered(tx)
 
     async def _switch(self, request: bytes) -> None:
-        answer = await self._processes.switch(request)
-        if answer:
+        if answer := await self._processes.switch(request):
             self._changed_node(answer)
 
     def _changed_node(self, answer: bytes) -> None:
@@ -352,7 +354,7 @@ class Server:
         return health.Health(
             up_s=time.monotonic() - self._began,
             wall=time.time(),
-            links=health.of_ports(self._ports, self.now(), faults, dropped),
+            links=health.of_ports(self._ports, self._up(), faults, dropped),
             **health.of_drive(self._runtime, self._vehicle, self.now()),
             **health.of_box(self._recording.box),
             broken=self._alarms.broken,

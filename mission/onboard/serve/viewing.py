@@ -39,6 +39,7 @@ class Viewing:
         self.monitor, self._look, self.tell, self._wall = Monitor(), look, tell, wall
         self.port = Port(MONITOR, url, self._readable, lambda port: self._meet(), tell)
         self._tracked = 0.0
+        self._seen = 0.0  # the engine's time
 
     def told(self, tell: Callable[[str], None]) -> Callable[[str], None]:
         """What tells a line of the journal, to viewers, too."""
@@ -74,6 +75,9 @@ class Viewing:
         if seen is None:
             return
         t, state, lines = seen
+        if t < self._seen:
+            self.monitor.begin_again()
+        self._seen = t
         self._track(now, state)
         self.monitor.load(lines)
         for address in due:
