@@ -234,7 +234,7 @@ class Watch:
             self.blind_since, self.led_down, self._dark_since = None, -math.inf, math.inf
             return
         self._dark_since = min(self._dark_since, vehicle_state.now)
-        if leads_down(self.sent) or _nose_first(self.sent):
+        if leads_down(self.sent):
             self.led_down = vehicle_state.now
         if not (vehicle_state.submerged or self._may_be_under()):
             self.blind_since = None
@@ -262,7 +262,7 @@ class Watch:
         if sent.altitude is not None:
             above = report.altitude if self.vehicle_state.health("altitude").valid else None
             return above is None or above > sent.altitude - SURFACE_DEPTH
-        return sent.heave is not None and sent.heave > 0.0
+        return leads_down(sent)
 
     def course_apart(self) -> bool | None:
         """At the surface and under way ahead, the course more than 60 deg off the heading."""
@@ -319,8 +319,5 @@ def leads_down(sent: Setpoint | None) -> bool:
     if sent is None:
         return False
     below = sent.depth is not None and sent.depth > SURFACE_DEPTH
-    return below or sent.altitude is not None or (sent.heave or 0.0) > 0.0
-
-
-def _nose_first(sent: Setpoint | None) -> bool:
-    return sent is not None and (sent.pitch or 0.0) * sent.surge < 0.0
+    nose_first = (sent.pitch or 0.0) * sent.surge < 0.0
+    return below or nose_first or sent.altitude is not None or (sent.heave or 0.0) > 0.0

@@ -257,6 +257,15 @@ def test_thrust_downward_asks_for_a_dive_and_thrust_upward_for_none():
     assert sinks(Setpoint(heave=-0.5))
 
 
+@pytest.mark.parametrize(("surge", "pitch"), [(0.5, -0.1), (-0.5, 0.1)], ids=["ahead", "astern"])
+def test_way_on_along_a_bow_that_points_down_asks_for_a_dive_and_no_other_way_does(surge, pitch):
+    assert not sinks(Setpoint(surge=surge, pitch=pitch))
+    assert sinks(Setpoint(surge=-surge, pitch=pitch)), "it leads up"
+    assert sinks(Setpoint(surge=0.0, pitch=pitch)), "without way it leads nowhere"
+    assert sinks(Setpoint(surge=surge, pitch=0.0))
+    assert sinks(Setpoint(surge=surge, pitch=pitch, depth=7.5)), "0.5 m below what is held"
+
+
 def test_an_ascent_of_a_leg_answers_for_its_own_sinking():
     one = watch()
     one.descent.excuse()

@@ -141,6 +141,9 @@ class LegBounds:
         self.ascends = self.row.ascends
         self.depths = self.row.depths(self.leg.kind)  # m, those it may steer to itself
         self.dives = Axis.VERTICAL in self.row.steers and not self.ascends
+        self.nose_down = self._nose_down()
+        self.holds = self.nose_down <= vehicle.ascent_buoyancy  # a hold: it lets go, and is lifted
+        self.sinks = self._sinks()
         self.leans_on_floor = False  # some bound of it rests on the floor that is assumed
 
     # --- what it takes -----------------------------------------------------------------
@@ -161,6 +164,20 @@ class LegBounds:
         held = s.depth is not None or s.altitude is not None or bool(s.heave)
         active = held or Axis.VERTICAL in self.row.steers
         return self.vehicle.battery.vertical if active else 0.0
+
+    def _nose_down(self) -> float:
+        """m/s at which its way along the bow may lead down, at most; negative: up."""
+        s = self.setpoint
+        along = math.copysign(self.speed * (1.0 + SPEED_SHARE), s.surge)
+        return -along * math.sin(s.pitch or 0.0)
+
+    def _sinks(self) -> float:
+        """m/s at most: by its verticals and its way; without them, against its buoyancy."""
+        s, lifts = self.setpoint, self.vehicle.ascent_buoyancy
+        held = s.depth is not None or s.altitude is not None or self.dives
+        pushes = held or (s.heave is not None and s.heave > 0)
+        by_way = max(0.0, self.nose_down)
+        return by_way + self.vehicle.dive_rate if pushes else max(0.0, by_way - lifts)
 
     # --- from entry to exit ----------------------------------------------------------------
 
@@ -199,8 +216,10 @@ class LegBounds:
         return self._held(after, time, by, guard)
 
     def _rises_to(self) -> float:
-        """m deep: how far up its buoyancy may carry it while its set is in force."""
+        """m deep: how far up its buoyancy, or its way, may carry it while its set is in force."""
         s = self.setpoint
+        if self.nose_down < 0.0:
+            return 0.0
         if self.depths:
             return min(self.depths)
         if s.depth is not None:
@@ -242,24 +261,21 @@ class LegBounds:
     def _depth(self, entry: Bounds, time: float) -> Interval:
         s = self.setpoint
         low, high = entry.depth
-        rate = self.vehicle.dive_rate
-        deepest = high + rate * (time + STICKS)
-        if self.ascends:
+        deepest = high + self.sinks * (time + STICKS)
+        if self.ascends or not self.sinks:
             return 0.0, high
-        if self.depths:
-            return min(low, *self.depths) - OVERSHOOT, max(high, *self.depths) + OVERSHOOT
+        if self.holds and self.depths:
+            return min(low, self._rises_to()) - OVERSHOOT, max(high, *self.depths) + OVERSHOOT
         if self.dives:
             return 0.0, max(high, deepest)
-        if s.depth is not None:
+        if self.holds and s.depth is not None:
             return min(low, self._rises_to()), max(high, min(deepest, s.depth) + OVERSHOOT)
-        if s.altitude is None and not (s.heave is not None and s.heave > 0):
-            return 0.0, high
         for way in self.leg.exits:
             bound = opens_at(way.guard.expression, "depth")
             if bound is not None:
-                late = rate * (LATE + way.guard.held + STICKS)
+                late = self.sinks * (LATE + way.guard.held + STICKS)
                 deepest = min(deepest, max(high, bound) + late)
-        if s.altitude is not None and deepest > self.assume.depth_without_floor:
+        if self.holds and s.altitude is not None and deepest > self.assume.depth_without_floor:
             self.leans_on_floor = True
             deepest = min(deepest, max(high, self.assume.floor - s.altitude) + OVERSHOOT)
         return 0.0, max(high, deepest)
@@ -268,35 +284,30 @@ class LegBounds:
         """m at most if the sensor that a hold goes by fails: it pushes down until that is known,
         and until the ascent has turned the dive round."""
         deepest = max(self._depth(entry, self.duration)[1], entry.blind)
-        if not self._pushes_down:
+        if not self.sinks:
             return deepest
         failed = max(self.duration, FROZEN + LATE) + STICKS + TURNED
-        return self._above_floor(deepest, deepest + self.vehicle.dive_rate * failed)
+        return self._above_floor(deepest, deepest + self.sinks * failed)
 
     def _blind(self, entry: Bounds, time: float) -> float:
         """Near the depth that is asked for nothing can see that a reading stands: a hold then
         pushes down for as long as it lasts, and the next one goes on from there."""
-        if not self._pushes_down:
+        if not self.sinks:
             return entry.blind
         deepest = max(entry.blind, self._depth(entry, time)[1])
-        return self._above_floor(deepest, deepest + self.vehicle.dive_rate * time)
+        return self._above_floor(deepest, deepest + self.sinks * time)
 
     @property
     def holds_depth(self) -> bool:
         """It goes down to where it is told, whatever the floor is there."""
-        return self._pushes_down and not self.ascends and self.setpoint.altitude is None
+        clears = self.holds and self.setpoint.altitude is not None
+        return self.sinks > 0.0 and not self.ascends and not clears
 
     @property
     def least_floor(self) -> float:
         """m of water that a set by altitude needs to have a depth to hold; 0 without one."""
         step = step_of(self.vehicle) if is_guarded(self.setpoint) else 0.0
         return step + (self.setpoint.altitude or 0.0)
-
-    @property
-    def _pushes_down(self) -> bool:
-        s = self.setpoint
-        held = s.depth is not None or s.altitude is not None or self.dives
-        return held or (s.heave is not None and s.heave > 0)
 
     def _above_floor(self, deepest: float, deeper: float) -> float:
         """``deeper``, but not below the floor where the mission says how deep that is."""

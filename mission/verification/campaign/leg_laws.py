@@ -93,7 +93,8 @@ def _unasked_descent(story: Story, stay: Stay) -> Iterator[Violation]:
 def _asks_down(command: Setpoint, depth: float) -> bool:
     if command.depth is not None:
         return depth < command.depth + 1.0
-    return command.altitude is not None or (command.heave or 0.0) > 0.0
+    nose_first = (command.pitch or 0.0) * command.surge < 0.0
+    return nose_first or command.altitude is not None or (command.heave or 0.0) > 0.0
 
 
 def _heading_astray(story: Story, stay: Stay) -> Iterator[Violation]:

@@ -19,6 +19,7 @@ from mission.model.shipped import load_vehicle
 
 ROOT = Path(__file__).resolve().parents[3]
 VEHICLE = load_vehicle("auv")
+LEANS = load_vehicle("auv-documented")  # it holds a pitch
 
 HEAD = (
     "mission m vehicle auv\nhome 30.2874595 120.1535765\nsafety radius 1000 time 60min depth 30\n"
@@ -140,6 +141,45 @@ def test_a_dive_by_gear_is_bounded_by_the_depth_that_ends_it() -> None:
     open_ended = report("a: ZAD8 until elapsed > 5min timeout 6min\n")
     assert ended.ok
     assert "depth" in rules(open_ended)
+
+
+def _pitched(body: str) -> Report:
+    mission = parse(HEAD.replace("vehicle auv", "vehicle auv-documented") + body)
+    return check_mission(compile_mission(mission, LEANS, digest(mission)), LEANS)
+
+
+@pytest.mark.parametrize("along", ["pitch -60 gear 8", "pitch 60 gear -8"])
+def test_a_leg_whose_way_leads_down_along_its_bow_is_as_deep_as_its_clock_allows(
+    along: str,
+) -> None:
+    found = _pitched(f"a: {along} heading 0 for 15s\n").proved
+    assert found is not None
+    # 20 % faster than its file says; buoyancy lifts; 10 s in which W does not stick
+    down = 1.0 * 1.2 * math.sin(math.radians(60)) - LEANS.ascent_buoyancy
+    assert found.max_depth == pytest.approx(0.5 + down * (15 + STICKS))
+    assert rules(_pitched(f"a: {along} heading 0 for 1min\n")) == ["depth"]
+    assert _pitched(f"a: {along} heading 0 until depth >= 5 timeout 1min\n").ok
+    both = _pitched(f"a: {along} down 2 heading 0 for 5s\n").proved
+    assert both is not None
+    pushed = down + LEANS.ascent_buoyancy + LEANS.dive_rate
+    assert both.max_depth == pytest.approx(0.5 + pushed * (5 + STICKS))
+
+
+@pytest.mark.parametrize("along", ["pitch -60 gear 0", "pitch 60 gear 8", "pitch -20 gear 4"])
+def test_a_pitch_without_way_upward_or_less_than_buoyancy_lifts_leads_nowhere_down(
+    along: str,
+) -> None:
+    found, held = (_pitched(f"a: {along} {x} heading 0 for 2min\n").proved for x in ("", "depth 5"))
+    assert found is not None
+    assert held is not None
+    assert found.max_depth == 0.5
+    assert held.max_depth == 6.0
+
+
+@pytest.mark.parametrize("held", ["depth 5", "altitude 20"])
+def test_no_hold_bounds_a_bow_that_leads_down_faster_than_buoyancy_lifts(held: str) -> None:
+    """`depth 5` at pitch -60 and gear 8 was flown 7.8 m deep, where 6 m were proved."""
+    assert "depth" in rules(_pitched(f"a: pitch -60 gear 8 {held} heading 0 for 1min\n"))
 
 
 def test_a_trend_over_less_depth_than_a_dive_makes_between_reports_is_told() -> None:
