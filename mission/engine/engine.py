@@ -4,8 +4,8 @@ Order within one step:
 
     what was heard -> X and W -> the operator -> limits -> handlers, exits, timeouts -> steering
 
-Run to completion: one macrostep per call, at most 200 transitions in it (beyond is a bug, and
-surfaces). Time comes with the inputs; ``next_timer`` says when to call again though nothing came.
+Run to completion: one macrostep per call; what is due beyond 200 transitions waits for the next.
+Time comes with the inputs; ``next_timer`` says when to call again though nothing came.
 
 What does not live here: the verbs (core), operators' commands (orders), limits (limits, monitor),
 the mission under way (run), bytes, retries and channels (onboard.runtime).
@@ -13,7 +13,6 @@ the mission under way (run), bytes, retries and channels (onboard.runtime).
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -59,6 +58,7 @@ from protocol.messages import (
 )
 
 MICROSTEPS = 200
+GOES_ON = 0.1  # s from so many transitions to the step that takes the next ones
 FORGOTTEN = 60.0  # s without M (R6)
 
 Input = (
@@ -230,17 +230,17 @@ class Engine:
         return core.auto and not row.acts.isdisjoint((core.region, core.active))
 
     def _run_mission(self) -> None:
-        core = self.core
-        for taken in itertools.count():
+        core, been = self.core, set[tuple[object, ...]]()
+        for _ in range(MICROSTEPS):
             run = core.flying
-            found = None if run is None else run.look(core.vehicle_state)
-            if found is None:
-                return
-            if taken == MICROSTEPS:
-                why = f"more than {MICROSTEPS} transitions in one step, at {short(core.active)}"
-                core.surface("limit", why, By.LIMIT)
+            if run is None or (found := run.look(core.vehicle_state)) is None:
                 return
             core.follow(*found)
+            been.add((core.active, *run.rounds.values()))
+        if (run := core.flying) is not None and len(been) < MICROSTEPS:
+            core.surface("limit", f"{MICROSTEPS} legs in circles at {short(core.active)}", By.LIMIT)
+        elif run is not None:
+            run.wake = core.now + GOES_ON
 
     def _mind_stick(self) -> None:
         core = self.core

@@ -7,7 +7,7 @@ import math
 import pytest
 from engine_world import NEUTRAL, M, W, World, X, compiled, guard, leg, mission, sets, when
 
-from mission.engine.engine import MICROSTEPS, Engine
+from mission.engine.engine import GOES_ON, MICROSTEPS, Engine
 from mission.engine.restart import STICK
 from mission.legs import Surface
 from mission.model import (
@@ -158,17 +158,36 @@ def test_a_second_brown_out_surfaces_and_thrust_in_between_forgives_the_first():
     assert "brown-out" in world.engine.reason
 
 
-def test_two_hundred_transitions_are_not_too_many_and_one_more_is():
-    def circle(rounds: int) -> World:
-        """Each round leaves at once."""
-        through = leg("x", when("depth", ">", 1.0))
-        return flying(mission(Group("g", rounds, (through,)), leg("end", timeout=LONG)))
+def circles(outer: int, rounds: int = 1) -> World:
+    """Each round leaves at once, as soon as a report says 5 m. Nothing answers."""
+    inner = Group("g", rounds, (leg("x", when("depth", ">", 1.0)),))
+    world = World(mission(Group("o", outer, (inner,)), leg("end", timeout=LONG)))
+    assert world.start()
+    world.answer, world.depth = None, 5.0
+    return world
 
+
+def test_two_hundred_transitions_are_taken_in_one_step_and_the_others_in_the_next_ones():
     assert MICROSTEPS == 200
-    assert circle(200).state == "autonomous/end"
-    world = circle(201)
-    assert world.state == SURFACING
-    assert world.engine.reason.endswith("more than 200 transitions in one step, at g/x")
+    world = circles(200)
+    world.tell(world.report())
+    assert world.state == "autonomous/end"
+    world = circles(9, 50)
+    taken = [len(world.tell(world.report()).steps)]
+    for _ in range(2):
+        world.t = world.engine.next_timer()
+        taken.append(len(world.tell().steps))
+    assert taken == [200, 200, 50]
+    assert world.t == pytest.approx(100.0 + 2 * GOES_ON)
+    assert world.state == "autonomous/end"
+
+
+def test_between_so_many_transitions_an_operator_is_heard():
+    world = circles(450)
+    world.tell(world.report())
+    assert world.state == "autonomous/o/g/x"
+    world.tell(X)
+    assert world.state == STOPPED
 
 
 # --- time -----------------------------------------------------------------------------------
