@@ -136,6 +136,7 @@ class LegBounds:
         self.vehicle, self.assume = vehicle, assume
         gear = GEARS * max(abs(self.setpoint.surge), abs(self.setpoint.turn))
         self.speed = vehicle.speed_by_gear.at(gear) if self.setpoint.surge else 0.0
+        self.level = self.speed * math.cos(self.setpoint.pitch or 0.0)  # m/s, at least
         self.power = vehicle.battery.hotel + vehicle.thruster_power.at(gear) + self._vertical()
         self.places = places_of(self.leg.kind, frame)
         self.ascends = self.row.ascends
@@ -346,7 +347,7 @@ class LegBounds:
         """How far through the water along its heading, when the leg is left in this way."""
         most = self.speed * time
         if by in (By.TIMEOUT, By.FOR):
-            return most, most
+            return self.level * time, most
         travelled = least(guard, "travelled") if by is By.UNTIL and guard is not None else 0.0
         # travelled counts over ground: a following current makes it of less water
         return min(most, travelled * self.speed / (self.speed + self.assume.current)), most
@@ -393,5 +394,5 @@ class LegBounds:
             return 1.0
         north, east = self.places[0]
         far = reach(minus(entry.north, (north, north)), minus(entry.east, (east, east)))
-        made = max(0.0, self.speed - self.assume.current) * time
+        made = max(0.0, self.level - self.assume.current) * time
         return 1.0 if far <= made else made / far

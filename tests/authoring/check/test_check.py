@@ -176,6 +176,15 @@ def test_a_pitch_without_way_upward_or_less_than_buoyancy_lifts_leads_nowhere_do
     assert held.max_depth == 6.0
 
 
+def test_what_a_leg_with_a_pitch_made_of_its_way_is_not_taken_for_sure_on_the_way_back() -> None:
+    """`pitch 60` at gear 8 was flown 61 m out in 4 min, where 240 m were taken for sure."""
+    body = "a: pitch {} gear 8 heading 0 for 4min\nb: pitch 0 heading 180 for 8min\n"
+    level, leant = (_pitched(body.format(pitch)).proved for pitch in (0, 60))
+    assert level is not None
+    assert leant is not None
+    assert leant.max_range > level.max_range + 0.5 * 240
+
+
 @pytest.mark.parametrize("held", ["depth 5", "altitude 20"])
 def test_no_hold_bounds_a_bow_that_leads_down_faster_than_buoyancy_lifts(held: str) -> None:
     """`depth 5` at pitch -60 and gear 8 was flown 7.8 m deep, where 6 m were proved."""
