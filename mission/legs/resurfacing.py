@@ -9,6 +9,7 @@ The estimate learns the current from each two fixes, and the next rows are steer
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from itertools import pairwise
@@ -16,7 +17,8 @@ from itertools import pairwise
 from mission.legs.hold import Hold
 from mission.legs.surface import Surface
 from mission.legs.words import Measure
-from mission.model import Comparison, Exit, Guard, Leg, LegKind, Setting
+from mission.model import Back, Comparison, Exit, Guard, Leg, LegKind, Setting, terms
+from mission.model.texts import Term
 
 RESURFACE = Measure(
     "resurface", "", 1, 9999, "up for a fix after so many rows", 0.0, "2", silent=True
@@ -32,6 +34,7 @@ UNSURE = Measure(
     silent=True,
 )
 FIX_S = 300.0  # that a way up may take until there is a fix; then the mission's on timeout
+_SINCE_BEGIN = frozenset({"elapsed", "travelled"})  # what a guard counts from a leg's begin on
 _LOOK_S = 4.0  # two reports: so long the estimate is looked at between two rows
 
 
@@ -87,4 +90,21 @@ def parting_fault(leg: Leg, resurface: float, unsure: float) -> str:
         return "rows that resurface end by themselves: say timeout, not for"
     if any(way.target is None for way in leg.exits):
         return "until would lead to the next part of the rows: say until ... -> NAME"
-    return ""
+    asked = (term for way in leg.exits for term in terms(way.guard.expression))
+    return next(filter(None, map(_anew, asked)), "")
+
+
+def _anew(term: Term) -> str:
+    """What a guard would ask of a run where it is written of the leg; "" if nothing."""
+    if isinstance(term, Comparison):
+        if term.variable not in _SINCE_BEGIN:
+            return ""
+        asked, instead = term.variable, "ask for mission_time, or say timeout and else"
+    elif isinstance(term, Back):
+        asked, instead = f"{term.variable} back", "ask in a leg behind them"
+    elif term.of_depth or term.window == math.inf:
+        moves = "rises" if term.rises else "falls"
+        asked, instead = f"{term.variable} {moves}", "say within so many s"
+    else:
+        return ""
+    return f"{asked} would count anew in each run of rows that resurface: {instead}"

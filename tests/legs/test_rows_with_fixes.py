@@ -114,6 +114,45 @@ def test_rows_that_cannot_be_parted_are_refused(leg: str, message: str) -> None:
         chart(leg)
 
 
+@pytest.mark.parametrize("rule", ["resurface 2", "unsure 15"])
+@pytest.mark.parametrize(
+    ("guard", "instead"),
+    [
+        ("elapsed > 8min", "mission_time"),
+        ("travelled > 300", "mission_time"),
+        ("depth > 8 or not travelled < 300", "mission_time"),
+        ("temperature falls 3", "within so many s"),
+        ("temperature rises 2 within 5 m", "within so many s"),
+        ("depth back at highest temperature within 1", "in a leg behind"),
+    ],
+)
+def test_no_guard_of_rows_asks_of_the_leg_what_each_of_their_runs_would_count_anew(
+    rule: str, guard: str, instead: str
+) -> None:
+    way = f"{HELD} until {guard} -> up"
+    with pytest.raises(MissionErrors, match=f"mow: .* anew in each run .*{instead}"):
+        chart(f"{AREA} {rule} {way}")
+
+
+@pytest.mark.parametrize(
+    "guard", ["elapsed > 8min", "travelled > 300", "temperature falls 3", "mission_time > 600"]
+)
+def test_rows_in_one_run_may_count_from_the_begin_of_their_leg(guard: str) -> None:
+    assert parts(f"{AREA} resurface 5 {HELD} until {guard} -> up") == ["mow"]
+
+
+@pytest.mark.parametrize(
+    "guard", ["mission_time > 600", "depth > 8", "temperature falls 2 within 60 s"]
+)
+def test_each_run_of_the_rows_has_the_exits_of_the_leg_that_mean_the_same_in_all(
+    guard: str,
+) -> None:
+    ways = edges(f"{AREA} resurface 2 {HELD} until {guard} -> up")
+    assert {way for way in ways if way[1] == "until"} == {
+        (f"mow/row{row}", "until", "up") for row in (1, 3, 5)
+    }
+
+
 @pytest.mark.parametrize("rule", ["resurface 2", "unsure 15", "swath 25 skip 1", ""])
 def test_both_texts_say_the_rule_and_nothing_where_there_is_none(rule: str) -> None:
     mission = parse(f"{HEAD}mow: {AREA} {rule} {HELD}")
