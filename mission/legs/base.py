@@ -95,7 +95,8 @@ class LegType:
     ``steers``: axes the pilot sets itself. ``needs``: sensors beyond those of its setpoints.
     ``gives``: guard variables that only such a leg has. ``ends``: it can be done by itself (END).
     ``makes_way``: without surge it goes nowhere. ``ascends``: it is R7's ascent, which the engine
-    steers. ``depths`` lists those it may steer to, ``fault`` says what is wrong with its figures.
+    steers. ``makes_safe``: outputs that it does not name are safe in it. ``depths`` lists those it
+    may steer to, ``fault`` says what is wrong with its figures.
 
     For the check, ``places`` are those that it names; ``corners`` those between which it stays
     while it is steered, m from home, of the named ones in m (none are named: none are asked for;
@@ -130,6 +131,7 @@ class LegType:
     ends: bool = False
     makes_way: bool = False
     ascends: bool = False
+    makes_safe: Callable[[Any], bool] = lambda kind: False
     fault: Callable[[Any], str] = lambda kind: ""
     depths: Callable[[Any], tuple[float, ...]] = lambda kind: ()
     places: Callable[[Any], tuple[Place, ...]] = lambda kind: ()

@@ -75,8 +75,8 @@ def _between(leg: Leg, row: int, heading: float, unsure: float) -> Iterator[Leg]
         onwards = (Exit(Guard(known), _name(row), leg.where),)
         yield Leg(f"look{row}", Hold(), kept, onwards, duration=_LOOK_S,
                   otherwise=leg.otherwise, where=leg.where)  # fmt: skip
-    yield Leg(f"fix{row}", Surface(until_fix=True), timeout=FIX_S, otherwise=leg.otherwise,
-              where=leg.where)  # fmt: skip
+    up = Surface(until_fix=True, keeps_outputs=True)
+    yield Leg(f"fix{row}", up, timeout=FIX_S, otherwise=leg.otherwise, where=leg.where)
 
 
 def parting_fault(leg: Leg, resurface: float, unsure: float) -> str:

@@ -3,17 +3,20 @@ the emergency. It holds every axis itself, and leaves the vehicle with everythin
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from mission.legs.base import WAY, Author, LegType
 from mission.model import Axis, LegKind
+from mission.model.plain import UNSAID
 
 
 @dataclass(frozen=True, slots=True)
 class Surface(LegKind):
-    """Ascend as R7 proves it; ends at the surface, or with a fix there (``until_fix``)."""
+    """Ascend as R7 proves it; ends at the surface, or with a fix there (``until_fix``).
+    ``keeps_outputs``: it is the way up of another leg, whose outputs go on."""
 
     until_fix: bool = False
+    keeps_outputs: bool = field(default=False, metadata=UNSAID)
 
 
 def _draw(author: Author) -> str:
@@ -29,6 +32,7 @@ TYPE: LegType = LegType(
     steers=frozenset(Axis),
     ends=True,
     ascends=True,
+    makes_safe=lambda kind: not kind.keeps_outputs,
     shown=lambda kind: "surface until a fix" if kind.until_fix else "surface",
     done=lambda kind: "fix at the surface" if kind.until_fix else "at the surface",
     draws=(_draw,),

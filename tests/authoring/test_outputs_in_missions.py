@@ -20,11 +20,12 @@ from mission.engine.readings import Scope
 from mission.engine.variables import reading_row, value_of
 from mission.model import AUTONOMOUS, Chart, Health, Loaded
 from mission.model.shipped import load_vehicle
-from mission.model.vehicle import Vehicle
+from mission.model.vehicle import Output, Vehicle
 from mission.navigation import Navigation
 from protocol.messages import StartMission, Telemetry
 
 ROV = load_vehicle("rov")
+AUV = load_vehicle("auv")
 LINES = """mission dim vehicle rov
 safety time 20min depth 20
 assume current 0
@@ -77,6 +78,30 @@ def test_an_output_keeps_its_value_until_another_leg_or_an_ascent() -> None:
         "dark": {"lamp": 0.0, "servo": -10.0},
         "surface": {"lamp": 0.0, "servo": 0.0},
     }
+
+
+@pytest.mark.parametrize("rule", ["resurface 1", "unsure 15"])
+@pytest.mark.parametrize(
+    ("before", "own"), [(80, ""), (0, "output lamp 80"), (80, "output lamp 0")]
+)
+def test_an_output_is_one_in_all_rows_and_on_the_ways_up_between_them(
+    rule: str, before: int, own: str
+) -> None:
+    lit = replace(AUV, outputs=(Output("lamp", "led_pct", 0, 100, 0),))
+    made = levels(
+        chart_of(
+            f"mission m vehicle auv\nhome 30 120\nlamp: gear 0 output lamp {before} for 5\n"
+            "mow: rows 3 bearing 0 length 50 spacing 10 from north 0 east 0 gear 8 depth 4 "
+            f"{rule} {own} timeout 30min\nnext: gear 4 depth 4 heading 0 for 5\nup: surface for 9",
+            lit,
+        )
+    )
+    wanted = float(own.rpartition(" ")[2] or before)
+    rows = {path: level["lamp"] for path, level in made.items() if path.startswith("mow/")}
+    assert len([path for path in rows if "fix" in path]) == 2
+    assert set(rows.values()) == {wanted}
+    assert made["next"]["lamp"] == wanted
+    assert made["up"]["lamp"] == 0.0
 
 
 def test_a_bare_line_sets_what_the_legs_behind_it_keep() -> None:

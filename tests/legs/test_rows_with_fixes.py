@@ -47,7 +47,7 @@ def test_a_fix_stands_between_runs_of_so_many_rows_and_never_within_one() -> Non
     ]  # fmt: skip
     states = {s.path: s.leg for s in chart(f"{AREA} resurface 2 {HELD}").states if s.leg}
     fix = states["autonomous/mow/fix2"]
-    assert fix.kind == Surface(until_fix=True)
+    assert fix.kind == Surface(until_fix=True, keeps_outputs=True)
     assert fix.timeout == FIX_S
 
 

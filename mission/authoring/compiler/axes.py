@@ -76,11 +76,11 @@ class Flow:
 
 
 def unit_of(node: Leg | Set, outputs: Iterable[str] = ()) -> Unit:
-    """``outputs``: the names of all that the mission sets; an ascent makes them safe."""
+    """``outputs``: the names of all that the mission sets; a surface leg makes them safe."""
     kind = node.kind if isinstance(node, Leg) else None
     unit = _unit(node.settings, kind)
-    ascends = kind is not None and LEGS[type(kind)].ascends
-    safe: dict[Kept, Value] = dict.fromkeys(outputs) if ascends else {}
+    makes_safe = kind is not None and LEGS[type(kind)].makes_safe(kind)
+    safe: dict[Kept, Value] = dict.fromkeys(outputs) if makes_safe else {}
     own: dict[Kept, Value] = {o.name: (o.value,) for o in node.outputs}
     return Unit({**unit.states, **safe, **own}, unit.drops_turn)
 
