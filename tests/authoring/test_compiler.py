@@ -97,6 +97,17 @@ def test_edges_stand_in_the_order_in_which_they_are_looked_at():
     assert kinds == [By.UNTIL, By.UNTIL, By.FOR, By.TIMEOUT, By.ELSE]
 
 
+@pytest.mark.parametrize("awaits", [True, False])
+def test_an_ascent_that_awaits_a_fix_ends_with_it_or_after_its_time_whichever_is_first(
+    awaits: bool,
+) -> None:
+    """Without ``until fix`` the time says how long it stays up."""
+    up = leg("up", kind=Surface(until_fix=awaits), settings=(), timeout=None, duration=600.0)
+    chart = compiled(mission(leg("a", duration=5.0), up, leg("b", duration=5.0)))
+    assert targets(chart, path("up"), By.FOR) == [((), path("b"))]
+    assert targets(chart, path("up"), By.END) == ([((), path("b"))] if awaits else [])
+
+
 def test_triggers_are_unique():
     group = Group("g", 4, (leg("a", when("depth", ">", 1)), leg("b", when("depth", ">", 1))))
     chart = compiled(mission(group, leg("a", when("depth", ">", 1))))

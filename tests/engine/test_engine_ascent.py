@@ -887,14 +887,10 @@ def test_an_operators_w_goes_on_with_the_ascent_of_a_leg():
 # --- the stop at the end of a leg's ascent ---
 
 
-def leg_is_up() -> World:
+def leg_is_up(duration: float | None = None) -> World:
     """A leg's ascent has proved the surface, and waits there for a fix."""
-    world = World(
-        mission(
-            leg("a", timeout=None, duration=20.0),
-            leg("up", kind=Surface(until_fix=True), settings=(), timeout=LONG),
-        )
-    )
+    up = leg("up", kind=Surface(until_fix=True), settings=(), timeout=LONG, duration=duration)
+    world = World(mission(leg("a", timeout=None, duration=20.0), up))
     assert world.start()
     world.depth = 5.0
     world.wait(24.0)
@@ -903,6 +899,18 @@ def leg_is_up() -> World:
         world.wait(0.5)
     assert world.state == "autonomous/up"
     return world
+
+
+@pytest.mark.parametrize("fixed", [True, False])
+def test_a_leg_that_waits_for_a_fix_for_a_time_is_over_with_the_first_of_both(fixed: bool) -> None:
+    world = leg_is_up(duration=120.0)
+    for north in range(10):
+        world.wait(1.0)
+        if fixed:
+            world.tell(world.fix(float(north)))
+    assert world.state == (IDLE_READY if fixed else "autonomous/up")
+    world.wait(120.0)
+    assert world.state == IDLE_READY
 
 
 def test_the_stop_of_a_leg_that_is_up_is_said_again_until_it_is_acknowledged():

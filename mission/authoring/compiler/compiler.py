@@ -143,8 +143,8 @@ class _Compiler:
             target = leave.target
             ways = self._ways.to(group, target, leave.where) if target else follow
             self._connect(f"{path}:until{i}", path, ways, By.UNTIL, leave.where, leave.guard)
-        timed_surface = row.ascends and leg.duration is not None
-        if row.ends and not timed_surface:
+        stays_up = row.ascends and leg.duration is not None and not row.awaits_fix(leg.kind)
+        if row.ends and not stays_up:
             self._connect(f"{path}:end", path, follow, By.END, leg.where)
         if leg.duration is not None:
             self._connect(f"{path}:for", path, follow, By.FOR, leg.where)
