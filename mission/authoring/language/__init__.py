@@ -44,11 +44,14 @@ __all__ = [
 
 _NONE: Mapping[str, str] = MappingProxyType({})
 _YAML_KEY = re.compile(r"""(?m)^(?:["']?(?:mission|legs)["']?\s*:(?:\s|$)|---|%YAML|\{)""")
+_HEAD = re.compile(r"(?:\s|#.*\n)*mission\s+[\w-]+\s+vehicle\s")  # legs may be called as keys are
 _HOME = re.compile(r"(?m)^\W*home\b")
 
 
 def is_yaml(text: str, source: str = "") -> bool:
     """By content; the file's suffix decides only where the content does not."""
+    if _HEAD.match(text):
+        return False
     if _YAML_KEY.search(text):
         return True
     if re.search(r"(?m)^\s*(?:mission\s+\w|end\b|\w[\w-]*:.*\bZA)", text):

@@ -15,6 +15,7 @@ import re
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
+from mission.authoring.language import elsewhere
 from mission.authoring.language.clauses import (
     AreaText,
     End,
@@ -341,6 +342,10 @@ class Assembly:
             hint = "call it for instance up"
             message = "surface is the name of the leg that ends every mission"
             self._problems.add("reserved-name", name.where, message, hint)
+        elif name.text in elsewhere.CONTROL:
+            hint = f"call it for instance {name.text}_1"
+            message = elsewhere.no_name(name.text)
+            self._problems.add("control-word", name.where, message, hint)
         elif GENERATED.match(name.text):
             hint = f"call it for instance {name.text.replace('line', 'leg')}"
             message = f"{name.text} is what a leg without a name is called"

@@ -62,7 +62,7 @@ LEG: Mapping[str, str] = MappingProxyType(
         "yaw": "heading 90",
     }
 )
-CONTROL = frozenset({"if", "loop", "repeat", "then", "when", "while"})  # never a leg's name in YAML
+CONTROL = frozenset({"if", "loop", "repeat", "then", "when", "while"})  # never a name
 GROUP = "- name: {repeat: 3, legs: [...]}"
 
 TREND: Mapping[str, str] = MappingProxyType(  # behind a variable
@@ -160,6 +160,11 @@ UNIT: Mapping[str, str] = MappingProxyType(
         "volts": "V",
     }
 )
+
+
+def no_name(word: str) -> str:
+    """Of a control word: what is said of it where a name should stand."""
+    return f"{word!r} is no leg's name"
 
 
 def as_key(words: str) -> str:

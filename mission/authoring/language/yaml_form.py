@@ -195,7 +195,7 @@ class _Form:
         word = items[0][0].text.split()[0] if items and items[0][0].text.split() else ""
         if word in elsewhere.CONTROL:
             way = elsewhere.as_key(elsewhere.LEG.get(word, "repeat"))
-            message = f"{word!r} is no leg's name"
+            message = elsewhere.no_name(word)
             self._problems.add("control-word", items[0][0].where, message, f"write {way}")
             return
         if len(items) != 1:
