@@ -72,18 +72,20 @@ def campaign(
     from mission.authoring.prepare import Unreadable
     from mission.model.shipped import load_vehicle
     from mission.verification.campaign.faults import fitting, shipped
-    from mission.verification.campaign.generated import generate
+    from mission.verification.campaign.generated import NoneFound, generate
     from mission.verification.campaign.proofs import Shown
     from mission.verification.campaign.withheld import claims as withheld
+    from mission.verification.rig.vehicle import flown
 
     if generated is not None and show:
-        click.echo(generate(seed, generated, load_vehicle("auv")).text, nl=False)
+        try:
+            click.echo(generate(seed, generated, flown(vehicle)).text, nl=False)
+        except NoneFound as error:
+            raise click.UsageError(str(error)) from error
         return
     only = generated is not None or words or word is not None
-    if vehicle != "auv" and (only or missions is not None):
-        raise click.UsageError(
-            "what is generated is of the AUV: leave --vehicle out, or name files"
-        )
+    if vehicle != "auv" and (words or word is not None):
+        raise click.UsageError("--words are of the AUV: leave --vehicle out")
     tell_confirmed(vehicle)
     known = shipped() if vehicle == "auv" else [subject.path for subject in fitting(vehicle)]
     named = () if only else tuple(dict.fromkeys(files)) or tuple(known)
@@ -96,19 +98,22 @@ def campaign(
     first = generated or 0
     numbers = range(first, first + count - len(claims))
     with where.keeping({"flights": "within what was proved", "seed": seed}, Shown) as kept:
-        claims += _generate(seed, numbers, where.place)
+        try:
+            claims += _generate(vehicle, seed, numbers, where.place)
+        except NoneFound as error:
+            raise click.UsageError(str(error)) from error
         if words or word is not None:
             said = list(withheld(load_vehicle("auv")))
             claims += said if word is None else said[word : word + 1]
-        flown = range(flights) if flight is None else [flight]
-        jobs: list[Job] = [(claim, seed, number) for claim in claims for number in flown]
+        which = range(flights) if flight is None else [flight]
+        jobs: list[Job] = [(claim, seed, number) for claim in claims for number in which]
         tally = _fly(jobs, where.place, kept, with_stories=flight is not None)
     tally.missions = len(claims)
     click.echo(json.dumps(tally.as_json()))
     sys.exit(0 if tally.clean else 1)
 
 
-def _generate(seed: int, numbers: range, place: Place) -> Iterator[Claim]:
+def _generate(vehicle: str, seed: int, numbers: range, place: Place) -> Iterator[Claim]:
     import functools
 
     from mission.verification.workers import results
@@ -116,7 +121,7 @@ def _generate(seed: int, numbers: range, place: Place) -> Iterator[Claim]:
     from mission.verification.workers.progress import with_progress
 
     tell = functools.partial(click.echo, err=True)
-    made = results(functools.partial(_generated, seed), numbers, place)
+    made = results(functools.partial(_generated, vehicle, seed), numbers, place)
     return map(had, with_progress(made, len(numbers), "missions generated", tell))
 
 
@@ -149,7 +154,7 @@ class _Tally:
     not_started: int = 0
     violations: dict[str, int] = field(
         default_factory=lambda: dict.fromkeys(
-            ("time", "range", "depth", "energy", "end", "raised"), 0
+            ("time", "range", "depth", "energy", "area", "end", "raised"), 0
         )
     )
     greatest_share: dict[str, float] = field(
@@ -198,12 +203,12 @@ def _claim(path: Path, vehicle: str) -> Claim:
     return Claim(str(path), mission, report.proved)
 
 
-def _generated(seed: int, number: int) -> Claim:
-    from mission.model.shipped import load_vehicle
+def _generated(vehicle: str, seed: int, number: int) -> Claim:
     from mission.verification.campaign.generated import generate
     from mission.verification.campaign.proofs import Claim
+    from mission.verification.rig.vehicle import flown
 
-    made = generate(seed, number, load_vehicle("auv"))
+    made = generate(seed, number, flown(vehicle))
     return Claim(f"--generated {number}", made.mission, made.proved)
 
 

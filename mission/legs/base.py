@@ -74,6 +74,8 @@ class Author(Protocol):
 
     def way(self) -> str: ...  # a depth, or nothing: as before
 
+    def lean(self) -> str: ...  # a pitch or roll, where the vehicle has them, or nothing
+
     def depth(self) -> int: ...  # m, one that is allowed
 
     def place(self) -> str: ...

@@ -18,7 +18,7 @@ class Hold(LegKind):
 
 def _straight(author: Author) -> str:
     ends = author.rng.choice([f"for {author.rng.randint(5, 200)}", ""])
-    return f"{author.course()}{author.way()} " + (
+    return f"{author.course()}{author.way()}{author.lean()} " + (
         ends or f"until {author.guard()} {author.timeout()}"
     )
 
@@ -33,10 +33,24 @@ def _thrust(author: Author) -> str:
     return f"gear 0 down {gear} until depth > {depth} {author.timeout(60)}"
 
 
+def _astern(author: Author) -> str:
+    heading, gear = author.rng.randrange(0, 360, 5), author.rng.randint(2, 10)
+    return f"gear -{gear} heading {heading}{author.way()} for {author.rng.randint(5, 100)}"
+
+
+def _turn(author: Author) -> str:
+    side, gear = author.rng.choice(["left", "right"]), author.rng.randint(2, 8)
+    return f"{side} {gear} gear {author.rng.choice([0, 0, 4])} for {author.rng.randint(5, 100)}"
+
+
+def _up(author: Author) -> str:
+    return f"up {author.rng.randint(2, 10)} {author.course()} for {author.rng.randint(5, 60)}"
+
+
 TYPE: LegType = LegType(
     name="hold",
     kind=Hold,
     description="hold the settings; may be left out",
-    draws=(_straight, _straight, _bottom, _thrust),
+    draws=(_straight, _straight, _bottom, _thrust, _astern, _turn, _up),
     trials=(f"a: {WAY} for 40",),
 )

@@ -99,6 +99,6 @@ def test_it_is_flown_recorded_and_replayed_to_the_bit() -> None:
 
 
 def test_it_is_drawn_at_random_and_flown_with_what_it_waits_for_withheld() -> None:
-    texts = ["\n".join(Writer(Random(number), "toy").lines()) for number in range(30)]
+    texts = ["\n".join(Writer(Random(number), "toy", VEHICLE).lines()) for number in range(30)]
     assert any("sounding < " in text for text in texts)
     assert "sounding" in dict(missions())

@@ -217,8 +217,7 @@ def test_it_keeps_the_contract_of_legs() -> None:
 
 
 def test_it_is_drawn_at_random_and_flown_with_what_it_waits_for_withheld() -> None:
-    made = generate(0, 1, VEHICLE)
-    assert "weave" in made.text
+    assert any("weave" in generate(0, number, VEHICLE).text for number in range(12))
     assert ("weave", WEAVE.trials[0]) in set(missions())
 
 

@@ -39,7 +39,8 @@ def ascent_time(depth: float, vehicle: Vehicle) -> float:
 
 
 def dark_time(vehicle: Vehicle) -> float:
-    """Without a depth fixes prove the surface, after the way from its own depth (R7)."""
+    """Without a depth fixes prove the surface, after the way from its own depth (R7); a vehicle
+    without a receiver never knows it."""
     if "depth" not in vehicle.reports:
         return 0.0
     return vehicle.limits.depth / vehicle.ascent_buoyancy + SETTLED

@@ -73,7 +73,7 @@ class Proved:
     blind_time: float  # s that the ascent from there takes longer
     uncertainty: float  # m, of the estimate at the end, that was added
     path: tuple[str, ...]  # of the worst time
-    dark_time: float = 0.0  # s more until it knows that it is up, if its depth is not believed
+    dark_time: float = 0.0  # s more until fixes tell that it is up, if its depth is not believed
 
 
 @dataclass(frozen=True, slots=True)

@@ -87,8 +87,8 @@ def as_text(source: str, report: Report, digest: str) -> str:
             "proved" if report.ok else "found",
             f"  states and transitions  {proved.states}, {proved.transitions}",
             f"  worst-case time         {proved.worst_time / 60:.1f} min, the ascent included"
-            f" (without a believed depth up to {proved.dark_time / 60:.1f} min more until it knows"
-            " that it is up)",
+            f" (without a believed depth up to {proved.dark_time / 60:.1f} min more until fixes"
+            " tell it that it is up)",
             f"  worst-case energy       {proved.worst_energy / 3600:.0f} Wh",
             f"  greatest range          {proved.max_range:.0f} m from home",
             f"  greatest depth          {proved.max_depth:.1f} m"

@@ -20,8 +20,10 @@ from mission.engine.variables import VARIABLES
 from mission.legs import LEGS
 from mission.model import Mission
 from mission.model.vehicle import Vehicle
+from mission.verification.campaign.draw import DOCUMENTED
 
 TRIES = 200
+DEEPEST = (6, 10, 15, 25, 40)  # m
 HOME = "30.2874595 120.1535765"
 LENGTH = 6  # legs in a body, at most
 
@@ -41,31 +43,38 @@ def generate(seed: int, number: int, vehicle: Vehicle) -> Generated:
     """Raises NoneFound."""
     rng = Random(f"mission {seed} {number}")
     for _ in range(TRIES):
-        text = "\n".join(Writer(rng, f"generated-{number}").lines()) + "\n"
+        text = "\n".join(Writer(rng, f"generated-{number}", vehicle).lines()) + "\n"
         try:
             mission = parse(text)
             chart = compile_mission(mission, vehicle, digest(mission))
-        except MissionErrors:
+        except MissionErrors as error:
+            refusals = error.diagnostics
             continue
         report = check_mission(chart, vehicle)
         if report.ok and report.proved is not None:
             return Generated(text, mission, report.proved)
-    raise NoneFound(f"seed {seed}, mission {number}: none of {TRIES} texts passed the check")
+        refusals = report.refusals
+    last = refusals[0].message
+    raise NoneFound(
+        f"seed {seed}, mission {number}: none of {TRIES} texts for {vehicle.name} passed the "
+        f"check, the last since {last}"
+    )
 
 
 class Writer:
     """Writes one text, line by line; an Author for the legs' own draws."""
 
-    def __init__(self, rng: Random, name: str) -> None:
-        self.rng, self.name = rng, name
-        self._deepest = rng.choice([6, 10, 15, 25, 40])
+    def __init__(self, rng: Random, name: str, vehicle: Vehicle) -> None:
+        self.rng, self.name, self._vehicle = rng, name, vehicle
+        self._deepest = rng.choice([d for d in DEEPEST if d <= vehicle.limits.depth] or DEEPEST)
+        self._leans = vehicle.codec == "auv" and vehicle.dialect == DOCUMENTED
         self._legs = self._groups = 0
         self.floor = rng.random() < 0.5
 
     def lines(self) -> Iterator[str]:
         rng = self.rng
         radius, minutes = rng.randint(3, 20) * 100, rng.randint(2, 24) * 10
-        yield f"mission {self.name} vehicle auv"
+        yield f"mission {self.name} vehicle {self._vehicle.name}"
         yield f"home {HOME}"
         yield f"safety radius {radius} time {minutes}min depth {self._deepest} voltage 10"
         floor = f" floor {self._deepest}" if self.floor else ""
@@ -121,6 +130,11 @@ class Writer:
     def way(self) -> str:
         """An axis kept, or stated anew."""
         return self.rng.choice(["", f" depth {self.depth()}"])
+
+    def lean(self) -> str:
+        if not self._leans:
+            return ""
+        return self.rng.choice(["", f" pitch {self.rng.randint(-70, 70)}", " pitch 0", " roll 10"])
 
     def place(self) -> str:
         return f"north {self.rng.randint(-200, 200)} east {self.rng.randint(-200, 200)}"

@@ -38,7 +38,7 @@ from mission.verification.campaign.draw import profiles_of
 from mission.verification.campaign.home import AFLOAT
 from mission.verification.campaign.laws import Violation
 from mission.verification.campaign.staging import faults_of
-from mission.verification.campaign.trial import FOREVER, try_out
+from mission.verification.campaign.trial import FOREVER, fault_ends, try_out
 from mission.verification.rig.acts import Disturbance
 from mission.verification.rig.trace import Trace, from_home
 from mission.verification.rig.vehicle import body_of
@@ -52,6 +52,7 @@ TIME, DEPTH, RANGE, ENERGY, END = "time", "depth", "range", "energy", "end"
 AREA = "area"
 _BLIND = ("depth_", "altitude_")
 _DARK = ("depth_", "stm32_silent")
+_RECEIVER = "gps_lost"  # what only a vehicle with one can have
 LOOKS_WELL = ("_stuck", "_drifting", "_late")  # of a sensor: near what is asked for unseen
 LOSSES = (
     *(f"{s.name.lower()}_{h.value}" for s in Sensor for h in Health if h is not Health.HEALTHY),
@@ -210,13 +211,13 @@ def show(claim: Claim, vehicle: Vehicle, seed: int, flight: int, draw: Draw = dr
 
 def _proved(claim: Claim, vehicle: Vehicle, proof: Proof) -> Margin:
     """Where a reading stands and looks well, the ascent from the blind depth counts as well; where
-    the depth is not believed, the time until fixes prove the surface."""
+    the depth is not believed, the time until fixes prove the surface: for ever without any."""
     proved = claim.proved
     faults = [event.name for event in proof.settings.faults if event.name.startswith(_BLIND)]
     depth = proved.blind_depth if faults else proved.max_depth
     longer = proved.blind_time if any(name.endswith(LOOKS_WELL) for name in faults) else 0.0
     if any(event.name.startswith(_DARK) for event in proof.settings.faults):
-        longer += proved.dark_time
+        longer += proved.dark_time if _has_fixes(claim, proof) else FOREVER
     battery = vehicle.battery
     return Margin(
         proved.worst_time + longer,
@@ -224,6 +225,12 @@ def _proved(claim: Claim, vehicle: Vehicle, proof: Proof) -> Margin:
         depth,
         proved.worst_energy + longer * (battery.hotel + battery.vertical),
     )
+
+
+def _has_fixes(claim: Claim, proof: Proof) -> bool:
+    """Whether it has a receiver, and that one comes back where it fails."""
+    lost = (e.name.startswith("gps_") and fault_ends(e) == math.inf for e in proof.settings.faults)
+    return _RECEIVER in losses_of(claim.mission.vehicle) and not any(lost)
 
 
 def _times(trial: Trace) -> tuple[float | None, float | None]:
@@ -280,6 +287,7 @@ def _violations(
     if needed.energy > proved.energy:
         says = f"{needed.energy / 3600:.1f} Wh, proved {proved.energy / 3600:.1f} Wh"
         yield Violation(ENERGY, begun, says)
-    if ended is None or trial.truth.depth > AFLOAT:
+    never_knows = proved.time >= FOREVER  # that it is up
+    if (ended is None and not never_knows) or trial.truth.depth > AFLOAT:
         says = f"{trial.truth.depth:.1f} m deep, in {trial.state}"
         yield Violation(END, trial.truth.t, says)

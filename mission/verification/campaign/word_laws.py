@@ -276,8 +276,9 @@ def _neutral(frame: bytes) -> bool:
 
 
 def _lets_go(story: Story, stay: Stay) -> Iterator[Violation]:
-    last = max((t for t in story.stick if t <= stay.end), default=math.nan)
     driving = stay.state == MANUAL_DRIVING
+    heard = [stay.begin] * driving  # by an M, though the program dies before its relay leaves
+    last = max((*heard, *(t for t in story.stick if t <= stay.end)), default=math.nan)
     due = last + _SILENT if driving else story.auto_opens(last + _FORGOTTEN)
     if stay.end > due and not story.hindered(last - 0.1, due):
         says = f"{stay.end - last:.1f} s without M, and still in {stay.state}"

@@ -295,6 +295,23 @@ def test_of_a_program_that_is_dead_when_it_is_told_to_end_no_word_is_asked() -> 
     assert any("told to end" in says for _, says in found)
 
 
+def test_a_stick_whose_first_m_kills_the_program_was_moved_in_that_instant() -> None:
+    """As flight 6502 of seed 5515: moved before and let go; the next time its step is the last
+    thing that is written, and its relay never leaves."""
+    plan = stage("ended", 0)
+
+    def says(t: float, data: bytes) -> Disturbance:
+        return Disturbance(t, Act.SAY, data, "topside", "boat")
+
+    before = says(40.1, b"@MRB2$"), says(45.1, b"@AA$")
+    again = Disturbance(60.1, Act.DIE_AFTER), says(65.1, b"@MRF5$"), Disturbance(68.1, Act.BOOT)
+    moved = Drawn("ended", 0.0, (*before, *again))
+    assert judged(replace(plan, incidents=(moved,))) == set()
+    with broken("silent stick"):
+        found = judged(replace(plan, incidents=(Drawn("ended", 0.0, before[:1]),)))
+    assert any("without M" in said for _, said in found)
+
+
 def test_a_limit_that_is_tightened_behind_a_clogged_port_is_not_asked_for() -> None:
     """As flight 14186 of seed 707: at 8 m an operator allows 5 m, by a port that says 5 m."""
     plan = stage("clogged", 0)

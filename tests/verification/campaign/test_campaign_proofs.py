@@ -15,9 +15,10 @@ from mission.authoring.language import digest, parse
 from mission.commands.campaign import _claim, campaign
 from mission.model.shipped import load_vehicle
 from mission.verification.campaign.faults import shipped
-from mission.verification.campaign.generated import generate
+from mission.verification.campaign.generated import NoneFound, generate
 from mission.verification.campaign.proofs import DEPTH, ENERGY, RANGE, TIME, Claim, draw_proof, show
 from mission.verification.campaign.trial import FOREVER
+from mission.verification.rig.vehicle import flown
 
 pytestmark = pytest.mark.proof  # long: make proofs
 
@@ -41,6 +42,30 @@ def test_no_flight_within_the_assumptions_leaves_what_was_proved(number: int) ->
         shown = show(proved, VEHICLE, 0, flight)
         assert shown.started, shown
         assert not shown.violations, shown
+
+
+@pytest.mark.parametrize("vehicle", ["auv-documented", "coreboard", "mainboard"])
+def test_no_flight_of_another_vehicle_leaves_what_was_proved_of_a_drawn_mission(
+    vehicle: str,
+) -> None:
+    for number in range(4):
+        made = generate(1, number, flown(vehicle))
+        assert made.mission.vehicle == vehicle
+        of = Claim(f"--generated {number}", made.mission, made.proved)
+        for flight in range(FLIGHTS):
+            shown = show(of, flown(vehicle), 1, flight)
+            assert not shown.violations, shown
+
+
+def test_legs_with_a_pitch_are_drawn_for_a_vehicle_that_has_one() -> None:
+    texts = [generate(2, number, flown("auv-documented")).text for number in range(12)]
+    assert any(" pitch " in text for text in texts)
+    assert not any(" pitch " in generate(2, number, VEHICLE).text for number in range(12))
+
+
+def test_what_no_drawn_mission_passes_is_told() -> None:
+    with pytest.raises(NoneFound, match="rov holds no heading"):
+        generate(0, 3, flown("rov"))
 
 
 def test_a_generated_mission_is_told_by_its_seed_and_passes_the_check() -> None:
