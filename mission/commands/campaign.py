@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -72,16 +73,11 @@ def campaign(
     from mission.authoring.prepare import Unreadable
     from mission.model.shipped import load_vehicle
     from mission.verification.campaign.faults import fitting, shipped
-    from mission.verification.campaign.generated import NoneFound, generate
     from mission.verification.campaign.proofs import Shown
     from mission.verification.campaign.withheld import claims as withheld
-    from mission.verification.rig.vehicle import flown
 
     if generated is not None and show:
-        try:
-            click.echo(generate(seed, generated, flown(vehicle)).text, nl=False)
-        except NoneFound as error:
-            raise click.UsageError(str(error)) from error
+        _print(vehicle, seed, generated)
         return
     only = generated is not None or words or word is not None
     if vehicle != "auv" and (words or word is not None):
@@ -98,10 +94,7 @@ def campaign(
     first = generated or 0
     numbers = range(first, first + count - len(claims))
     with where.keeping({"flights": "within what was proved", "seed": seed}, Shown) as kept:
-        try:
-            claims += _generate(vehicle, seed, numbers, where.place)
-        except NoneFound as error:
-            raise click.UsageError(str(error)) from error
+        claims += _generate(vehicle, seed, numbers, where.place)
         if words or word is not None:
             said = list(withheld(load_vehicle("auv")))
             claims += said if word is None else said[word : word + 1]
@@ -113,7 +106,25 @@ def campaign(
     sys.exit(0 if tally.clean else 1)
 
 
-def _generate(vehicle: str, seed: int, numbers: range, place: Place) -> Iterator[Claim]:
+@contextmanager
+def _none_is_told() -> Iterator[None]:
+    from mission.verification.campaign.generated import NoneFound
+
+    try:
+        yield
+    except NoneFound as error:
+        raise click.UsageError(str(error)) from error
+
+
+def _print(vehicle: str, seed: int, number: int) -> None:
+    from mission.verification.campaign.generated import generate
+    from mission.verification.rig.vehicle import flown
+
+    with _none_is_told():
+        click.echo(generate(seed, number, flown(vehicle)).text, nl=False)
+
+
+def _generate(vehicle: str, seed: int, numbers: range, place: Place) -> list[Claim]:
     import functools
 
     from mission.verification.workers import results
@@ -122,7 +133,8 @@ def _generate(vehicle: str, seed: int, numbers: range, place: Place) -> Iterator
 
     tell = functools.partial(click.echo, err=True)
     made = results(functools.partial(_generated, vehicle, seed), numbers, place)
-    return map(had, with_progress(made, len(numbers), "missions generated", tell))
+    with _none_is_told():
+        return [*map(had, with_progress(made, len(numbers), "missions generated", tell))]
 
 
 def _fly(jobs: Sequence[Job], place: Place, kept: Kept[Shown], *, with_stories: bool) -> _Tally:

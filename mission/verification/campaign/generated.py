@@ -20,7 +20,6 @@ from mission.engine.variables import VARIABLES
 from mission.legs import LEGS
 from mission.model import Mission
 from mission.model.vehicle import Vehicle
-from mission.verification.campaign.draw import DOCUMENTED
 
 TRIES = 200
 DEEPEST = (6, 10, 15, 25, 40)  # m
@@ -67,7 +66,6 @@ class Writer:
     def __init__(self, rng: Random, name: str, vehicle: Vehicle) -> None:
         self.rng, self.name, self._vehicle = rng, name, vehicle
         self._deepest = rng.choice([d for d in DEEPEST if d <= vehicle.limits.depth] or DEEPEST)
-        self._leans = vehicle.codec == "auv" and vehicle.dialect == DOCUMENTED
         self._legs = self._groups = 0
         self.floor = rng.random() < 0.5
 
@@ -132,7 +130,7 @@ class Writer:
         return self.rng.choice(["", f" depth {self.depth()}"])
 
     def lean(self) -> str:
-        if not self._leans:
+        if "attitude" not in self._vehicle.follows:
             return ""
         return self.rng.choice(["", f" pitch {self.rng.randint(-70, 70)}", " pitch 0", " roll 10"])
 
