@@ -11,6 +11,7 @@ a report may be 2 s old and two of them are needed; this hull rises at 0.25 m/s 
 from __future__ import annotations
 
 import itertools
+import math
 import re
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -221,7 +222,8 @@ def legs(*steps: tuple[str, float]) -> Law:
 
 
 def sinking_noticed(deep: float = 2.6, within: float = 8.0) -> Law:
-    """On deck or at the surface: deeper than 2 m and sinking for two reports: a word upward.
+    """On deck or at the surface: deeper than 2 m, 0.5 m deeper than it has been, and sinking for
+    two reports: a word upward (R7).
 
     2.6 m is out of the sensor's noise; 8 s are two reports (at most 2.1 s apart, the first one just
     before), and 3 s for the word itself.
@@ -229,8 +231,10 @@ def sinking_noticed(deep: float = 2.6, within: float = 8.0) -> Law:
 
     def law(world: World) -> str:
         began: float | None = None
+        least = math.inf
         for sample in _since(world, "due"):
-            if sample.depth < deep or sample.rate < 0.05:
+            least = min(least, sample.depth)
+            if sample.depth < max(deep, least + 0.5) or sample.rate < 0.05:
                 began = None
             elif began is None:
                 began = sample.at

@@ -111,17 +111,17 @@ def over_blind(world: World) -> Steps:
     yield from world.wait(200)
 
 
-def begins_anew(world: World, away: bool) -> Steps:
-    """The board has begun anew, all at rest; `away`: its port is away for 3 s meanwhile."""
+def begins_anew(world: World, away: float) -> Steps:
+    """The board has begun anew, all at rest; `away`: its port is away meanwhile, s."""
     world.board.restart()
     if away:
         world.line.vanish()
-        yield from world.wait(3)
+        yield from world.wait(away)
         world.line.come_back()
     world.mark("due")
 
 
-def held_blind(away: bool, troubles: str = "") -> Script:
+def held_blind(away: float, troubles: str = "") -> Script:
     """Without a depth and 1.5 N too heavy it is held up by thrust at last; then the board begins anew."""
 
     def script(world: World) -> Steps:
@@ -137,7 +137,7 @@ def held_blind(away: bool, troubles: str = "") -> Script:
     return script
 
 
-def held_then_anew(blind: bool, away: bool) -> Script:
+def held_then_anew(blind: bool, away: float) -> Script:
     """6 N too heavy it is held up behind a W; `blind`: then its depth is silent; then the board begins anew."""
 
     def script(world: World) -> Steps:
@@ -304,6 +304,13 @@ HOLDS: tuple[Law, ...] = (
     upward_within(5),
     lives(),
 )
+LOST_FIXES: tuple[Law, ...] = (
+    reached(),
+    home(120, HELD, off=False),
+    stays(5.0),  # where its fixes had ended, too, each way has its turn (R7)
+    upward_within(5),
+    lives(),
+)
 NO_DEPTH: tuple[Law, ...] = (
     reached(),
     home(400),
@@ -346,19 +353,20 @@ SCENES: tuple[Scene, ...] = (
     *[
         Scene(name, HOLDING, held_blind(away, troubles), HOLDS, world=TRUE_FIXES, make=kind)
         for name, away, troubles, kind in (
-            ("held-blind-browned-out", False, "", Board),
-            ("held-blind-away", True, "", Board),
-            ("held-blind-browned-sluggish", False, "sliders", Sluggish),
-            ("held-blind-away-relays", True, "relays", Board),
+            ("held-blind-browned-out", 0, "", Board),
+            ("held-blind-away", 2.5, "", Board),
+            ("held-blind-browned-sluggish", 0, "sliders", Sluggish),
+            ("held-blind-away-relays", 2.5, "relays", Board),
         )
     ],
     *[
-        Scene(name, HOLDING, held_then_anew(blind, away), HOLDS, world=TRUE_FIXES)
-        for name, blind, away in (
-            ("held-w-browned-out", False, False),
-            ("held-w-away", False, True),
-            ("held-w-blind-browned-out", True, False),
-            ("held-w-blind-away", True, True),
+        Scene(name, HOLDING, held_then_anew(blind, away), laws, world=TRUE_FIXES)
+        for name, blind, away, laws in (
+            ("held-w-browned-out", False, 0, HOLDS),
+            ("held-w-away", False, 2.5, HOLDS),
+            ("held-w-blind-browned-out", True, 0, HOLDS),
+            ("held-w-blind-away", True, 2.5, HOLDS),
+            ("held-w-blind-away-longer", True, 7, LOST_FIXES),
         )
     ],
     *[
