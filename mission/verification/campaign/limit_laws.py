@@ -17,7 +17,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 from links.simulated.settings import FaultEvent
-from mission.model import Step
+from mission.model import Step, Tx
 from mission.verification.campaign.audit import commands_of
 from mission.verification.campaign.depth_laws import DEPTH_FAULTS
 from mission.verification.campaign.laws import Violation
@@ -35,7 +35,8 @@ _TOPSIDE = 1.0  # s
 _LOST = 12  # frames: three commands of three tries, and one that a set replaced
 _LOW, _LOW_TIME = 0.6, 16.0  # V and s: 10 s, and three reports
 _WET, _MUTE = 5.0, ("stm32_silent", "bytes_corrupted")  # s: three reports, and what one takes
-_ANSWER = re.compile(rb"@ACK_Z")
+_ANSWER, _STOP = re.compile(rb"@ACK_Z"), b"@ZAX0$"
+_AFLOAT = 1.0  # m
 
 
 @dataclass(frozen=True, slots=True)
@@ -123,17 +124,23 @@ def _topside(story: Story, begin: float, end: float) -> Iterator[Violation]:
 
 
 def _unanswered(story: Story, begin: float, end: float) -> Iterator[Violation]:
-    """Words to the vehicle that nothing came back to, where something should."""
+    """Words to the vehicle that nothing came back to, where something should; not the stop of an
+    ascent at the surface, which is said until it is answered (R7, R8)."""
     if story.board is not None:
         return
     answers = [h.t for h in story.heard if _ANSWER.search(h.data)]
     for quiet, until in gaps(answers, begin, end):
-        words = [w for w in story.words_in(quiet, until) if w.data.startswith(b"@ZA")]
+        words = [w for w in story.words_in(quiet, until) if _asks(story, w)]
         lost = len(words) > _LOST and until > words[_LOST].t + 1.0
         if lost and not story.hindered(quiet, until):
             says = f"{len(words)} words without an answer, and still autonomous"
             yield Violation(UNANSWERED, until, says)
             return
+
+
+def _asks(story: Story, word: Tx) -> bool:
+    stops = word.data == _STOP and story.deepest(word.t - 1.0, word.t) < _AFLOAT
+    return word.data.startswith(b"@ZA") and not stops
 
 
 def _voltage(story: Story, begin: float, end: float) -> Iterator[Violation]:

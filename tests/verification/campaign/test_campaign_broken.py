@@ -245,6 +245,20 @@ def test_an_altimeter_whose_power_an_operator_has_switched_is_not_asked_to_stay_
         assert any("would be clear" in says for _, says in judged(plan))
 
 
+def test_the_stop_of_an_ascent_is_said_until_it_is_answered_and_is_no_three_commands() -> None:
+    """As flight 3618 of seed 5616: at the surface for a fix, its board answers nothing."""
+    plan = stage("shallow_depth", 0)
+    gone = FaultEvent("gps_silent", 100.0, 1e6)
+    waits = replace(plan, profile="as-built", incidents=())
+    for begin, says in ((330.0, ()), (282.0, ("no answer",))):  # at the surface; as a leg begins
+        mute = FaultEvent("ack_lost", begin, 60.0)
+        flown = replace(waits, settings=replace(plan.settings, faults=(gone, mute)))
+        assert judged(flown) == set()
+        with broken("limit no answer"):
+            found = {law for _, law in judged(flown)}
+        assert len(found) == len(says), found
+
+
 def test_what_sinks_behind_a_restart_that_knew_no_depth_is_left_and_otherwise_brought_up() -> None:
     """As flight 5865 of seed 707: it may be on deck, and a depth of 30 m an error."""
     plan = stage("sinks_unseen", 0)
