@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from mission.model import MANUAL_DRIVING, SURFACED
-from mission.verification.campaign.laws import Violation
+from mission.verification.campaign.laws import Violation, stalls
 from mission.verification.campaign.story import Story
 from mission.verification.campaign.word_laws import UNSENT
 from mission.verification.rig.acts import Act
@@ -37,6 +37,8 @@ def _holds(story: Story, plug: Done, due: float) -> bool:
     stay = story.stay_at(due)
     others = any(plug.t - _BESIDE <= d.t <= due and d is not plug for d in story.done)
     if others or stay.begin > plug.t - _LONG or stay.state in (DEAD, MANUAL_DRIVING):
+        return False
+    if any(begin <= plug.t <= end for begin, end in stalls(story.trial.events)):
         return False
     if stay.state == SURFACED and story.auto_closed(plug.t, due):
         return False

@@ -259,6 +259,18 @@ def test_the_stop_of_an_ascent_is_said_until_it_is_answered_and_is_no_three_comm
         assert len(found) == len(says), found
 
 
+def test_a_program_that_stands_still_as_the_line_comes_back_says_nothing_yet() -> None:
+    """As flight 13441 of seed 5616: it stood still from 1.4 s before until 2.54 s behind it."""
+    plan, t = stage("pulled", 11), 60.0
+    cut = (Disturbance(t, Act.UNPLUG), Disturbance(t + 8.5, Act.PLUG))
+    still = (Disturbance(t + 7.1, Act.STALL), Disturbance(t + 11.1, Act.RUN))
+    acts = tuple(sorted((*cut, *still), key=lambda act: act.after))
+    assert judged(replace(plan, incidents=(Drawn("pulled", 0.0, acts),))) == set()
+    with broken("line doubted"):
+        found = judged(replace(plan, incidents=(Drawn("pulled", 0.0, cut),)))
+    assert any("the line is back" in says for _, says in found), found
+
+
 def test_what_sinks_behind_a_restart_that_knew_no_depth_is_left_and_otherwise_brought_up() -> None:
     """As flight 5865 of seed 707: it may be on deck, and a depth of 30 m an error."""
     plan = stage("sinks_unseen", 0)
