@@ -118,12 +118,15 @@ def doubted_at_rest(settings: Settings, end: float) -> bool:
 
 
 def blind_from_its_begin(settings: Settings, events: Sequence[Event]) -> bool:
-    """It sank while its depth was garbage from the program's first report on: at rest nobody knows
-    of a depth that it has sunk from, and it may be on deck (R7)."""
+    """It sank while its depth was garbage from the program's first report on, or behind verticals
+    that contradicted it (R5): at rest nobody knows of a depth that it has sunk from, and it may be
+    on deck (R7)."""
     begun = max((e.t for e in events if isinstance(e, Done) and e.act is Act.BOOT), default=0.0)
+    vain = [f.begin for f in settings.faults if f.name.startswith("verticals_")]
+    doubted = min(vain, default=math.inf)
     return any(
         f.name in _GARBAGE
-        and f.begin <= begun + _REPORTED < fault_ends(f)
+        and (f.begin <= begun + _REPORTED < fault_ends(f) or doubted < f.begin)
         and net(settings, fault_ends(f)) < SLIGHT
         for f in settings.faults
     )

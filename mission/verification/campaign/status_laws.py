@@ -18,7 +18,7 @@ from mission.verification.rig.acts import TOPSIDE, Act
 
 _UNASKED = "at the surface"
 _UP, _SEEN = 1.0, 3  # m, and within s: the first fix, and a report that is 2 s old
-_DOUBTED, _SILENT = 40.0, 6.0  # s
+_DOUBTED, _SILENT = 40.0, 5.9  # s; the last report was on its way before it was told
 _TOLD = 5.0  # s from surfaced to the status
 _CONTRADICT = (*DEPTH_FAULTS, "verticals_")
 

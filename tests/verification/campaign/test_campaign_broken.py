@@ -24,7 +24,7 @@ from mission.model.shipped import load_vehicle
 from mission.onboard.runtime import frontseat
 from mission.verification.campaign.broken import BROKEN, broken
 from mission.verification.campaign.draw import Drawn, Plan, draw, stage
-from mission.verification.campaign.faults import fly_plan, result_of
+from mission.verification.campaign.faults import fly_plan, result_of, shipped, subjects
 from mission.verification.campaign.noticing import Flights, notice
 from mission.verification.campaign.scene import say
 from mission.verification.campaign.scene_texts import TEXTS, mission_of
@@ -269,6 +269,38 @@ def test_a_program_that_stands_still_as_the_line_comes_back_says_nothing_yet() -
     with broken("line doubted"):
         found = judged(replace(plan, incidents=(Drawn("pulled", 0.0, cut),)))
     assert any("the line is back" in says for _, says in found), found
+
+
+def test_what_sinks_behind_verticals_that_contradicted_its_depth_is_left() -> None:
+    """As flight 7305 of seed 5717: cleared; its depth was garbage while it sank to the ground."""
+    plan = stage("sinks_unseen", 0)
+    acts = (Act.SAY, b"@ZAWF$", 36.0), (Act.SAY, b"@AC$", 170.1)
+    words = Drawn("sinks_unseen", 0.0, tuple(Disturbance(t, act, data) for act, data, t in acts))
+    dead = FaultEvent("verticals_dead", 8.5, 43.3)
+    rest = (FaultEvent("depth_full_scale", 174.1, 181.4), FaultEvent("heavy", 178.1, 1e6, 30.8))
+    plan = replace(plan, profile="as-built", incidents=(words,))
+    assert judged(replace(plan, settings=replace(plan.settings, faults=(dead, *rest)))) == set()
+    with broken("sank unseen"):
+        found = judged(replace(plan, settings=replace(plan.settings, faults=rest)))
+    assert any(kind == "lost" for kind, _ in found), found
+
+
+def test_a_depth_that_speaks_again_as_another_fault_of_it_ends_is_there() -> None:
+    """As flight 9794 of seed 5717: it dives by altitude with a depth that is right."""
+    bottom = next(s for s in subjects(shipped()) if s.path.stem == "bottom-following")
+    plan = replace(stage("blind_altimeter", 0), incidents=(), subject=bottom, profile="documented")
+    silent = FaultEvent("depth_silent", 3.4, 1e6)
+    both = (FaultEvent("depth_full_scale", 3.0, 19.5), silent)
+    assert judged(replace(plan, settings=replace(plan.settings, faults=both))) == set()
+
+
+def test_a_place_that_a_receiver_makes_up_is_told_as_soon_as_reports_are_stale() -> None:
+    """As flight 10229 of seed 5717: the last report was received 5.995 s before."""
+    plan = stage("heavy_and_wandering", 0)
+    said = Drawn("x", 0.0, (Disturbance(47.58477852054665, Act.SAY, b"@ZAX0$"),))
+    faults = (FaultEvent("gps_wanders", 6.0, 1e6), FaultEvent("stm32_silent", 43.3, 26.4))
+    plan = replace(plan, profile="as-built", incidents=(said,))
+    assert judged(replace(plan, settings=replace(plan.settings, faults=faults))) == set()
 
 
 def test_what_sinks_behind_a_restart_that_knew_no_depth_is_left_and_otherwise_brought_up() -> None:
