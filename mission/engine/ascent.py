@@ -50,8 +50,9 @@ Way = Setpoint | Order
 
 class Ascent:
     """``ways``: the vehicle's, in their order. ``upward``: it begins with X0 and U12; ``sank``: out
-    of the surface where it was let go. A depth is taken for its change alone, and None where not
-    even that is believed."""
+    of the surface where it was let go; ``push``: of the ways, that which holds it up there, in the
+    place of X0 and U12. A depth is taken for its change alone, and None where not even that is
+    believed."""
 
     __slots__ = (
         *(
@@ -86,6 +87,7 @@ class Ascent:
         overturned: bool = False,
         upward: bool = False,
         sank: bool = False,
+        push: Way | None = None,
     ) -> None:
         self.began, self.why, self._ways = now, why, ways
         self._turn = self._longest = TURN
@@ -99,10 +101,11 @@ class Ascent:
         if overturned:
             first = Order.STOP
         elif (depth is None or upward) and UPWARD in ways:
-            first = UPWARD
+            first = push or UPWARD
         self._at = ways.index(first) if first in ways else 0
         self.way: Way = ways[self._at]
-        self.push = UPWARD if UPWARD in ways else Order.SURFACE  # that has two turns later
+        # that has two turns later
+        self.push = push or (UPWARD if UPWARD in ways else Order.SURFACE)
         self._pushes = int(self.way == self.push)
         if sank and self._pushes:
             self._begin_long(now, depth)

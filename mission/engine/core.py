@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 
-from mission.engine.ascent import Ascent
+from mission.engine.ascent import Ascent, Way
 from mission.engine.bounds import in_force
 from mission.engine.flying import Flying
 from mission.engine.limits import Limit
@@ -34,7 +34,7 @@ from mission.model import (
     Result,
 )
 from mission.model.regions import IDLE, MANUAL
-from protocol.messages import Order
+from protocol.messages import UPWARD, Order
 
 _LATER = 0.5  # s behind a report's age, and it is not believed
 
@@ -61,6 +61,7 @@ class Core(Flying):
         self._let_go()
         self.machine = Machine()
         self.emergency_since_idle = self._sank = False
+        self.push, self.neutral = None, 0
         self.renew_bounds()
 
     def renew_bounds(self) -> None:
@@ -119,6 +120,7 @@ class Core(Flying):
         self._let_go()
         self._to_emergency()
         self.doubted_at, self.rested, self._sank = -math.inf, "", False
+        self.push, self.neutral = None, 0
         self.vehicle_state.rising_since = None
         self._move(name, state, why, self._stop(why), by)
 
@@ -147,6 +149,7 @@ class Core(Flying):
             overturned=vehicle_state.overturned,
             upward=sinking or vehicle_state.depth is None,
             sank=self._sank,
+            push=self.push if self._sank else None,
         )
         way = self.ascent.way
         said = by is By.OPERATOR and (way is Order.SURFACE or self.ascent.hear(self.now))
@@ -198,11 +201,24 @@ class Core(Flying):
         if self.hold is not None:
             self.let_go_at, self.hold = self.now, None
 
-    def hold_up(self, why: str) -> None:
-        """Says again what holds it up at the surface."""
+    def hold_up(self, why: str, way: Way | None = None) -> None:
+        """Says again what holds it up at the surface, or says this way."""
         if self.hold is not None:
-            self.hold = Hold(self.hold.way, self.hold.since, self.now)
+            self.hold = Hold(way or self.hold.way, self.hold.since, self.now)
             self._record((Action(self.hold.way, f"{self.reason}: {why}"),))
+
+    def _mind_hold(self, hold: Hold) -> None:
+        """Where its thrusters are off the word was lost, or its board has begun anew, and it is
+        said again; once more, and the board is deaf to it: the other one that pushes up."""
+        off = self.watch.neutral(hold.said_at)
+        if off is not None:
+            self.neutral = self.neutral + 1 if off else 0
+        if self.neutral > 1:
+            pushes = [way for way in self.ways if way in (Order.SURFACE, UPWARD)]
+            self.push = next((way for way in pushes if way != hold.way), hold.way)
+            self.neutral = 0
+        if off:
+            self.hold_up("its thrusters are off", self.push)
 
     def excuse_descent(self) -> None:
         """An ascent answers a descent, and the stick asks for it; to be called first in every step:
@@ -231,8 +247,8 @@ class Core(Flying):
         why = "" if state.depth is None else why  # it may be on deck by now
         if (why := why or self.rest.goes_down) and self.auto:
             self.surface("limit", why, By.LIMIT)
-        elif self.hold is not None and self.watch.neutral(self.hold.said_at):
-            self.hold_up("its thrusters are off")
+        elif self.hold is not None:
+            self._mind_hold(self.hold)
 
     def mind_fixes(self) -> None:
         """Brings up what is taken to sink though no depth is believed: the fixes that proved the
@@ -268,6 +284,7 @@ class Core(Flying):
         self.ascent = self.hold = None
         self.rested = ""  # what it was before the stick says nothing behind it
         self._sank, self.let_go_at = False, -math.inf
+        self.push, self.neutral = None, 0
         self.watch.set_sent(None)
         self.vehicle_state.rising_since = None
         self.vehicle_state.expect_change()

@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from typing import Self
 
-from mission.engine.ascent import Ascent
+from mission.engine.ascent import Ascent, Way
 from mission.engine.bounds import in_force
 from mission.engine.machine import Machine
 from mission.engine.monitor import LimitMonitor
@@ -61,6 +61,8 @@ class EngineState:
         self._sank = False  # out of surfaced: let go, it would sink again
         self.let_go_at = -math.inf  # when an ascent last ended with everything stopped
         self.hold: Hold | None = None  # in surfaced, what sank when it was let go
+        self.push: Way | None = None  # that holds it up where full thrust showed no thruster on
+        self.neutral = 0  # times in succession that the thrust which holds it up showed none
         self.auto = True  # node AUTO
         self.emergency_since_idle = False
         self.emergency_at = -math.inf  # when the last one began

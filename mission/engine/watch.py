@@ -286,11 +286,12 @@ class Watch:
             return report.t >= since + _ROLLS_OUT and abs(report.velocity[0]) > _STANDS
         return turns(report)
 
-    def neutral(self, since: float) -> bool:
-        """A report from well after then says that no thruster is on; two can have said so."""
+    def neutral(self, since: float) -> bool | None:
+        """Whether no thruster is on, by a report from well after then; two can have said so. None
+        where none tells."""
         report = self.vehicle_state.telemetry
         if report is None or not report.actuators or report.t < since + _BACK:
-            return False
+            return None
         return all(abs(a) <= NEUTRAL for a in report.actuators[:THRUSTERS])
 
     def powerless(self) -> bool | None:

@@ -261,8 +261,37 @@ def test_what_holds_it_up_is_said_again_while_reports_show_it_off():
     world.wait(20.0)
     assert len(world.actions) == said
     world.actuators = (0.0,) * 5
-    world.wait(10.0)
-    assert world.commands()[said:] == [UPWARD] * 3
+    world.wait(4.0)
+    assert world.commands()[said:] == [UPWARD]
+
+
+def test_a_board_that_is_deaf_to_what_holds_it_up_is_told_the_other_word_that_pushes_up():
+    """As flight 10267 of seed 5717: deaf to U12, it sank out of each hold, and W alone lifted it."""
+    world = held_up()
+    said = len(world.actions)
+    world.actuators = (0.0,) * 5
+    world.wait(8.0)
+    assert world.commands()[said:] == [UPWARD, Order.SURFACE]
+    world.actuators = (0.5,) * 5
+    world.wait(20.0)
+    assert world.commands()[said:] == [UPWARD, Order.SURFACE]
+    sink(world, 0.3, 9.0)
+    assert (world.state, world.commands()[-1]) == (SURFACING, Order.SURFACE)
+    world.depth = 0.2
+    world.wait(9.0)
+    assert (world.state, world.commands()[-1]) == (SURFACED, Order.SURFACE), "and holds it up"
+
+
+def test_what_has_held_it_up_in_between_is_said_again_and_nothing_else():
+    """Its board begins anew now and then."""
+    world = held_up()
+    said = len(world.actions)
+    for _ in range(4):
+        world.actuators = (0.0,) * 5
+        world.wait(4.0)
+        world.actuators = (0.5,) * 5
+        world.wait(6.0)
+    assert set(world.commands()[said:]) == {UPWARD}
 
 
 def test_what_is_held_up_is_let_go_when_auto_is_closed_and_until_it_is_acknowledged():

@@ -289,7 +289,7 @@ class _Auditor:
             return True
         if state == SURFACING:
             return isinstance(command, Order) or command in (UPWARD, DOWNWARD)
-        if state == SURFACED and self._holds and command == UPWARD:
+        if state == SURFACED and self._holds and command in (UPWARD, Order.SURFACE):
             return True
         return (state != MANUAL_DRIVING or self._ends) and command is Order.STOP
 

@@ -6,6 +6,7 @@ What does not live here: what a status says (the runtime's tests), whether what 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 
 from mission.model import SURFACED, SURFACING, Tx
@@ -34,9 +35,11 @@ def status_laws(story: Story) -> Iterator[Violation]:
 
 def _is_told_up(story: Story, t: float) -> Iterator[Violation]:
     """Where no depth is believed fixes as at the surface tell, made up or not; so they do where an
-    ascent ends, which surface_laws judge."""
+    ascent ends, which surface_laws judge. A report counts until it is stale, and a cable that is
+    pulled brings no other."""
     state = story.stay_at(t).state
-    shallowest = min(story.depth(t - i) for i in range(_SEEN))
+    seen = math.ceil(_SILENT) + 1 if story.hindered(t - _SILENT, t) else _SEEN
+    shallowest = min(story.depth(t - i) for i in range(seen))
     if state != SURFACED and shallowest > _UP and not _is_doubted(story, t):
         says = f"told to be at the surface {story.depth(t):.1f} m deep, in {state}"
         yield Violation(UNLAWFUL, t, says)

@@ -303,6 +303,25 @@ def test_a_place_that_a_receiver_makes_up_is_told_as_soon_as_reports_are_stale()
     assert judged(replace(plan, settings=replace(plan.settings, faults=faults))) == set()
 
 
+def test_a_depth_counts_as_the_surfaces_until_its_report_is_stale_though_the_cable_is_pulled() -> (
+    None
+):
+    """As flight 14152 of seed 5717: X 4.8 s behind the last report, of its begin at the surface."""
+    bottom = next(s for s in subjects(shipped()) if s.path.stem == "harbour-survey")
+    plan = replace(stage("blind_altimeter", 0), subject=bottom, profile="as-built")
+    acts = (Act.UNPLUG, b"", 7.7), (Act.SAY, b"@ZAX0$", 11.9), (Act.PLUG, b"", 34.7)
+    cut = Drawn("x", 0.0, tuple(Disturbance(t, act, data) for act, data, t in acts))
+    plan = replace(plan, settings=replace(plan.settings, faults=()), incidents=(cut,))
+    assert judged(plan) == set()
+
+
+def test_a_board_that_is_deaf_to_u12_is_held_up_by_w() -> None:
+    """As flight 10267 of seed 5717: held up by what it did not hear it sank again and again."""
+    faults = FaultEvent("heavy", 96.6, 1e6, 42.9), FaultEvent("deaf_to_u", 13.7, 1e6)
+    plan = replace(stage("sinks_in_a_hold", 0), profile="documented")
+    assert judged(replace(plan, settings=replace(plan.settings, faults=faults))) == set()
+
+
 def test_what_sinks_behind_a_restart_that_knew_no_depth_is_left_and_otherwise_brought_up() -> None:
     """As flight 5865 of seed 707: it may be on deck, and a depth of 30 m an error."""
     plan = stage("sinks_unseen", 0)
