@@ -60,8 +60,8 @@ class Core(Flying):
             self._move("clear", IDLE_EMPTY, why, self._stop(why) if self.hold else (), By.OPERATOR)
         self._let_go()
         self.machine = Machine()
-        self.emergency_since_idle = self._sank = False
-        self.push, self.neutral = None, 0
+        self.emergency_since_idle = False
+        self._forget_sinking()
         self.renew_bounds()
 
     def renew_bounds(self) -> None:
@@ -119,8 +119,8 @@ class Core(Flying):
         """emergency/stopped or surfaced; ``name`` as for ``surface``."""
         self._let_go()
         self._to_emergency()
-        self.doubted_at, self.rested, self._sank = -math.inf, "", False
-        self.push, self.neutral = None, 0
+        self.doubted_at, self.rested = -math.inf, ""
+        self._forget_sinking()
         self.vehicle_state.rising_since = None
         self._move(name, state, why, self._stop(why), by)
 
@@ -149,7 +149,7 @@ class Core(Flying):
             overturned=vehicle_state.overturned,
             upward=sinking or vehicle_state.depth is None,
             sank=self._sank,
-            push=self.push if self._sank else None,
+            push=self.push,
         )
         way = self.ascent.way
         said = by is By.OPERATOR and (way is Order.SURFACE or self.ascent.hear(self.now))
@@ -200,6 +200,10 @@ class Core(Flying):
         """Of what was held up at the surface."""
         if self.hold is not None:
             self.let_go_at, self.hold = self.now, None
+
+    def _forget_sinking(self) -> None:
+        """That it would sink again, and which way holds it up then."""
+        self._sank, self.push, self.neutral = False, None, 0
 
     def hold_up(self, why: str, way: Way | None = None) -> None:
         """Says again what holds it up at the surface, or says this way."""
@@ -283,8 +287,8 @@ class Core(Flying):
         """Enters manual/driving; a mission stays where it was interrupted."""
         self.ascent = self.hold = None
         self.rested = ""  # what it was before the stick says nothing behind it
-        self._sank, self.let_go_at = False, -math.inf
-        self.push, self.neutral = None, 0
+        self._forget_sinking()
+        self.let_go_at = -math.inf
         self.watch.set_sent(None)
         self.vehicle_state.rising_since = None
         self.vehicle_state.expect_change()

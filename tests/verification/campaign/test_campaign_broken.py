@@ -307,8 +307,8 @@ def test_a_depth_counts_as_the_surfaces_until_its_report_is_stale_though_the_cab
     None
 ):
     """As flight 14152 of seed 5717: X 4.8 s behind the last report, of its begin at the surface."""
-    bottom = next(s for s in subjects(shipped()) if s.path.stem == "harbour-survey")
-    plan = replace(stage("blind_altimeter", 0), subject=bottom, profile="as-built")
+    survey = next(s for s in subjects(shipped()) if s.path.stem == "harbour-survey")
+    plan = replace(stage("blind_altimeter", 0), subject=survey, profile="as-built")
     acts = (Act.UNPLUG, b"", 7.7), (Act.SAY, b"@ZAX0$", 11.9), (Act.PLUG, b"", 34.7)
     cut = Drawn("x", 0.0, tuple(Disturbance(t, act, data) for act, data, t in acts))
     plan = replace(plan, settings=replace(plan.settings, faults=()), incidents=(cut,))
