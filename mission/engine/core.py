@@ -135,6 +135,7 @@ class Core(Flying):
         sinking = name == "limit" and self.rests
         self._sank = self._sank or (sinking and self.active == SURFACED)
         begun = self.ascent if self.active == SURFACING else self.leg_ascent
+        held = self.hold.way if self.hold and vehicle_state.depth is not None else None
         self._to_emergency()
         self.stop_at = self.stopped_at = None
         self.rested = ""  # what ended in between was another rest
@@ -149,7 +150,7 @@ class Core(Flying):
             overturned=vehicle_state.overturned,
             upward=sinking or vehicle_state.depth is None,
             sank=self._sank,
-            push=self.push,
+            push=self.push or held,
         )
         way = self.ascent.way
         said = by is By.OPERATOR and (way is Order.SURFACE or self.ascent.hear(self.now))
@@ -215,14 +216,16 @@ class Core(Flying):
         """Where its thrusters are off the word was lost, or its board has begun anew, and it is
         said again; once more, and the board is deaf to it: the other one that pushes up."""
         off = self.watch.neutral(hold.said_at)
-        if off is not None:
-            self.neutral = self.neutral + 1 if off else 0
+        if off is None:
+            return
+        if not off:
+            self.neutral, self.push = 0, hold.way
+            return
+        self.neutral, way = self.neutral + 1, hold.way
         if self.neutral > 1:
-            pushes = [way for way in self.ways if way in (Order.SURFACE, UPWARD)]
-            self.push = next((way for way in pushes if way != hold.way), hold.way)
-            self.neutral = 0
-        if off:
-            self.hold_up("its thrusters are off", self.push)
+            pushes = [push for push in self.ways if push in (Order.SURFACE, UPWARD)]
+            way, self.neutral = next((push for push in pushes if push != way), way), 0
+        self.hold_up("its thrusters are off", way)
 
     def excuse_descent(self) -> None:
         """An ascent answers a descent, and the stick asks for it; to be called first in every step:

@@ -61,7 +61,7 @@ class EngineState:
         self._sank = False  # out of surfaced: let go, it would sink again
         self.let_go_at = -math.inf  # when an ascent last ended with everything stopped
         self.hold: Hold | None = None  # in surfaced, what sank when it was let go
-        self.push: Way | None = None  # that holds it up where full thrust showed no thruster on
+        self.push: Way | None = None  # of those that hold up, which last showed a thruster on
         self.neutral = 0  # times in succession that the thrust which holds it up showed none
         self.auto = True  # node AUTO
         self.emergency_since_idle = False

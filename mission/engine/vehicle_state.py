@@ -1,7 +1,7 @@
 """What the engine knows of the vehicle at an instant: the last reports, and what to believe.
 
-Before navigation is loaded (numpy and filterpy take a while) a reported finite value is believed
-while it is fresh: enough for the limits of an idle vehicle and for an ascent after a restart.
+Before navigation is loaded (numpy and filterpy take a while) a finite value is believed while it is
+fresh, a depth up to the vehicle's own: a sensor at full scale turns no thruster on deck.
 
 What does not live here: the filter and the health rules (navigation), what follows from them
 (engine, limits).
@@ -90,7 +90,7 @@ class VehicleState:
         stale_after: float = STALE_AFTER,
         rise: float = math.inf,
         sink: float = 0.0,
-        deepest: float = 0.0,
+        deepest: float = math.inf,
     ) -> None:
         """``grounded``: the vehicle drives on the ground, where the depth is 0. ``stale_after``:
         s, the age at which a report is believed no more. ``rise``: m/s by buoyancy alone;
@@ -259,8 +259,7 @@ class VehicleState:
 
     def _deepest_at(self, begun: float) -> float:
         """m: it may have sunk, but never beyond its own depth, since what was last believed was
-        true, or since that changed; where nothing was believed since the program began, its own
-        depth."""
+        true, or since that changed; where nothing was believed yet, its own depth."""
         depth = self.believed_depth
         if depth is None:
             return self._deepest
@@ -282,13 +281,14 @@ class VehicleState:
     def _ask(self, sensor: str) -> Health:
         if self.navigation:
             return self.navigation.health(sensor, self.now)
-        value = getattr(self.telemetry, sensor, None)
-        if self.telemetry is None or not isinstance(value, float):
+        report, most = self.telemetry, self._deepest if sensor == "depth" else math.inf
+        value = getattr(report, sensor, None)
+        if report is None or not isinstance(value, float):
             return Health(False, "missing", math.inf)
-        age = self.now - self.telemetry.t
-        if age > self.stale_after:
-            return Health(False, "stale", age)
-        return Health(math.isfinite(value), "" if math.isfinite(value) else "absurd", age)
+        age = self.now - report.t
+        why = "" if math.isfinite(value) and value <= most else "absurd"
+        why = "stale" if age > self.stale_after else why
+        return Health(not why, why, age)
 
     @property
     def depth(self) -> float | None:

@@ -6,7 +6,7 @@ import random
 from itertools import pairwise
 
 import pytest
-from engine_world import VEHICLE, M, W, World, X, leg, mission, when
+from engine_world import VEHICLE, M, W, World, X, fixes, leg, mission, when
 
 from mission.engine.ascent import DOWNWARD, Ascent
 from mission.legs import Surface
@@ -460,13 +460,6 @@ def test_a_wave_over_the_hull_begins_the_six_seconds_anew():
         world.depth = 0.8
         world.wait(2.0)
     assert world.state == SURFACING
-
-
-def fixes(world: World, seconds: int, **changes: object) -> None:
-    """One a second, each a little farther on."""
-    for i in range(seconds):
-        world.tell(world.fix(north=0.001 * (world.t + i), **changes))
-        world.wait(1.0)
 
 
 def test_seconds_of_fixes_are_the_surface_too_where_no_depth_is_believed():

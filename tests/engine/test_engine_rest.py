@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 import pytest
-from engine_world import HOME, M, W, World, X, compiled, leg, mission, sets
+from engine_world import HOME, VEHICLE, M, W, World, X, compiled, fixes, leg, mission, sets
 
 from mission.engine.attitude import Attitude
 from mission.engine.rest import Rest
@@ -280,6 +280,30 @@ def test_a_board_that_is_deaf_to_what_holds_it_up_is_told_the_other_word_that_pu
     world.depth = 0.2
     world.wait(9.0)
     assert (world.state, world.commands()[-1]) == (SURFACED, Order.SURFACE), "and holds it up"
+
+
+def test_without_a_depth_it_is_lifted_by_the_word_that_last_showed_a_thruster_on():
+    """Two brown-outs in succession had it lifted by W, which as built turns nothing for long: what
+    is heavy sank in the turns of U12, and stayed on the bottom."""
+    world = held_up()
+    fixes(world, 10)
+    world.depth, world.actuators = None, (0.0,) * 5
+    fixes(world, 8)
+    assert world.commands()[-1] is Order.SURFACE, "of the hold, by two neutral reports"
+    world.wait(9.0, reports=False)
+    assert (world.state, world.commands()[-1]) == (SURFACING, UPWARD)
+    world.wait(36.0, reports=False)
+    assert world.commands()[-1] == UPWARD, "four turns of it"
+
+
+def test_with_a_depth_it_is_lifted_by_the_word_that_last_showed_a_thruster_on_too():
+    world = held_up()
+    world.wait(4.0)
+    world.actuators = (0.0,) * 5
+    world.wait(6.0)
+    assert world.commands()[-1] is Order.SURFACE
+    sink(world, 0.3, 9.0)
+    assert (world.state, world.commands()[-1]) == (SURFACING, UPWARD)
 
 
 def test_what_has_held_it_up_in_between_is_said_again_and_nothing_else():
@@ -728,6 +752,34 @@ def test_what_was_surfaced_before_a_restart_and_lies_deep_has_sunk_meanwhile(dep
     world.wait(12.0)
     assert (world.state == SURFACING) is up
     assert world.commands()[-1] == (UPWARD if up else Order.STOP)
+
+
+@pytest.mark.parametrize("during", ["", UNKNOWN, SURFACED])
+@pytest.mark.parametrize("depth", [6553.5, 655.35, VEHICLE.limits.depth + 0.1])
+def test_on_deck_a_depth_beyond_the_vehicles_own_turns_no_thruster_before_navigation(
+    during: str, depth: float
+):
+    """A sensor at full scale. Navigation calls it absurd, and it takes some seconds to load."""
+    world = World(navigation=False)
+    if during:
+        world.tell(Restarted(during))
+    said = len(world.actions)
+    world.depth = depth
+    world.wait(12.0)
+    assert world.state == (STOPPED if during == UNKNOWN else during or IDLE_EMPTY)
+    assert set(world.commands()[said:]) <= {Order.STOP}
+
+
+def test_a_depth_at_full_scale_as_the_program_begins_makes_no_ascent_longer():
+    """It was taken for the last one believed, and the way up from there for hours."""
+    world = World(navigation=False)
+    world.tell(Restarted(SURFACED))
+    world.depth = 6553.5
+    world.wait(4.0)
+    assert world.engine.core.vehicle_state.believed_depth is None
+    world.tell(W)
+    fixes(world, int(VEHICLE.limits.depth / VEHICLE.ascent_buoyancy) + 10)
+    assert world.state == SURFACED
 
 
 def test_on_deck_a_depth_that_begins_to_be_known_turns_no_thruster():

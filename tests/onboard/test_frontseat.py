@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import pickle
+
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -220,6 +222,19 @@ def test_an_owed_answer_that_never_comes_holds_the_next_frame_300_ms_at_most(lin
     line.until(0.61)
     assert line.frames[-1] == b"@ZAS10$"
     assert line.sent[-1].t == pytest.approx(0.6)
+
+
+def test_a_stop_that_no_board_ever_answers_keeps_no_more_than_what_is_owed_now(
+    line: Line,
+) -> None:
+    """A day of it kept 340,000 answers, and the first that came walked through them all."""
+    sizes = []
+    for i in range(200):
+        line.give(Order.STOP, 0.5 * i)
+        line.until(0.5 * i + 0.49)
+        sizes.append(len(pickle.dumps(line.seat)))
+    assert line.frames == [b"@ZAX0$"] * 400
+    assert max(sizes) == max(sizes[:20])
 
 
 def test_newer_set_replaces_what_is_unsent_of_the_older(line: Line) -> None:

@@ -107,9 +107,12 @@ def test_a_leg_that_follows_many_short_ones_and_lasts_is_named() -> None:
     assert marker.next_timer() is None
 
 
-@pytest.mark.parametrize("under_way", [STICK, "emergency/stopped", "emergency/surfacing"])
-def test_no_disk_stands_before_a_stop_or_the_stick(under_way: str) -> None:
-    store = Counting()
+@pytest.mark.parametrize("before", ["", LEG])
+@pytest.mark.parametrize(
+    "under_way", [STICK, "manual/driving", UNANSWERED, "emergency/stopped", "emergency/surfacing"]
+)
+def test_no_disk_stands_before_a_stop_or_the_stick(before: str, under_way: str) -> None:
+    store = Counting(before)
     marker = ResumeMarker(store)
     marker.follow(under_way, 7.0)
     assert store.asked == []

@@ -276,3 +276,10 @@ def legs_of(world: World) -> list[str]:
     """Every leg entered, in order, as people call it."""
     leaves = [s.entered[-1] for s in world.steps if s.entered]
     return [p.partition("/")[2] for p in leaves if p.startswith("autonomous/")]
+
+
+def fixes(world: World, seconds: int, **changes: object) -> None:
+    """One a second, each a little farther on."""
+    for i in range(seconds):
+        world.tell(world.fix(north=0.001 * (world.t + i), **changes))
+        world.wait(1.0)

@@ -271,6 +271,7 @@ class Frontseat:
         if now - self._sent_at > 2 * ANSWER_S:
             self._row_from = now
         self._sent_at = now
+        self._owed = [owed for owed in self._owed if owed.until > now]  # no board may ever answer
         answer = LONGER_S if frame.again else ANSWER_S
         self._outstanding = _Outstanding(frame, tries, now + answer)
         again = f" (try {tries} of {TRIES})" if tries > 1 else ""

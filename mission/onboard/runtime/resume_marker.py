@@ -1,8 +1,8 @@
 """The resume marker: what a restart would interrupt, kept durable; the next program surfaces.
 
     a start      is durable before it happens, or it does not happen
-    a region     is written at once, an emergency and the stick by the timer that follows at
-                 once: no disk stands before a STOP or an M
+    a region     is written at once; an emergency, the stick and a stop, of a mission too, by the
+                 timer that follows at once: no disk stands before a STOP or an M
     a leg        by that timer, too, 30 of them in a row and then one every ``EVERY_S``: an SD card
                  does not bear one a second. Meanwhile no leg is named, rather than the wrong one
     a failure    never stops the vehicle; it is tried again until the disk takes it
@@ -13,6 +13,7 @@ What does not live here: files (store), what a restart does (engine).
 from __future__ import annotations
 
 from mission.engine.restart import STICK, UNANSWERED, UNSEEN
+from mission.model.regions import EMERGENCY, MANUAL
 from mission.onboard.store import Store, StoreError
 
 AGAIN_S = 5.0  # until what could not be written is tried again
@@ -44,12 +45,12 @@ class ResumeMarker:
         if under_way == self._is:
             return
         self._is = under_way
-        ended = under_way.startswith("emergency")
+        ended = _region(under_way) == EMERGENCY
         if _region(under_way) == _region(self._kept) and not ended:
             self._follow_leg(now)
             return
         self._kept = under_way
-        if under_way == STICK or under_way.startswith("emergency"):
+        if _region(under_way) in (EMERGENCY, MANUAL) or under_way in (STICK, UNANSWERED):
             self._due = now
         else:
             self._keep(now)

@@ -30,6 +30,7 @@ from mission.verification.campaign.excuses import (
     overturned_untold,
     unknown,
 )
+from mission.verification.campaign.trial import fault_ends
 from mission.verification.rig.trace import Trace
 
 AFLOAT = 0.5  # m (R7)
@@ -39,6 +40,11 @@ UNDER, ENDED = 0.3, 6  # m, s: an antenna under water, and fixes that have ended
 UNSEEN = 60.0  # s of being let go, in which fixes that end count (R7, at rest)
 RECEIVER_OFF = b"BDGPS C"  # to its node
 TOLD = 10  # s until fixes that end have told it (R7, at rest)
+_DARK = ("depth_silent", "depth_absurd", "depth_full_scale")  # of these nothing is ever believed
+_SPOIL = (
+    *("attitude_", "roll_", "capsized", "deaf_to_u", "deaf_to_x", "dives_", "stm32_", "busy"),
+    *("obeys_", "refuses", "ack_", "command_", "bytes_", "line_", "splice", "verticals_"),
+)
 WHOLE_ROUND = 50.0  # s of an ascent's three ways, the last two of them twice as long
 
 
@@ -66,8 +72,8 @@ def _allowed(settings: Settings, profile: str, trial: Trace) -> float:
     it hears U12; nor is what sinks at rest with a depth that is not believed, or was from the
     begin (R7). Knowledge: two of three ways push down what lies upside down, and nothing tells
     that. What is heavy, with a sensor from which nobody can know whether it rises, has its
-    thrusters for a third to two thirds of the time: physics does not promise that it comes up by
-    that."""
+    thrusters for a third to two thirds of the time: only where nothing else is wrong with what they
+    do does physics promise that it comes up by that."""
     floats, lifted = net(settings, NEVER), lift(settings, profile, NEVER)
     rests = not trial.state.startswith(AUTONOMOUS) and trial.state != SURFACING
     is_left = any(end == math.inf for _, end in left(trial.events))
@@ -80,8 +86,19 @@ def _allowed(settings: Settings, profile: str, trial: Trace) -> float:
         return AFLOAT
     blind = blind_from_its_begin(settings, trial.events)
     doubted = rests and (blind or doubted_at_rest(settings, trial.truth.t))
-    alone = doubted or is_left or unknown(settings, NEVER)
+    rises = lifted >= -floats and _turns_lift(trial, settings)
+    alone = doubted or is_left or (unknown(settings, NEVER) and not rises)
     return math.inf if alone or lifted < SPARE else HELD
+
+
+def _turns_lift(trial: Trace, settings: Settings) -> bool:
+    """No depth tells, and no angle is doubted: full thrust has forty seconds of sixty (R7), which
+    lifts more than the others let sink, where it lifts by as much as the vehicle is too heavy."""
+    lasting = [f.name for f in settings.faults if fault_ends(f) >= NEVER]
+    return trial.state == SURFACING and not any(
+        name.startswith(_SPOIL) or (name.startswith("depth_") and name not in _DARK)
+        for name in lasting
+    )
 
 
 def _may_turn(trial: Trace, settings: Settings) -> bool:

@@ -322,6 +322,19 @@ def test_a_board_that_is_deaf_to_u12_is_held_up_by_w() -> None:
     assert judged(replace(plan, settings=replace(plan.settings, faults=faults))) == set()
 
 
+def test_without_a_depth_full_thrust_has_its_four_turns_behind_two_brown_outs_of_a_hold() -> None:
+    """The word that was tried last had them, and as built W turns nothing for long: on the bottom,
+    and no law said so, since no depth told."""
+    plan = replace(stage("heavy_when_surfaced", 0), profile="as-built")
+    heavy, blind = FaultEvent("heavy", 90.0, 1e6, 27.0), FaultEvent("depth_silent", 130.0, 1e6)
+    brown_outs = FaultEvent("stm32_restart", 150.0, 3.0), FaultEvent("stm32_restart", 154.5, 2.0)
+    plan = replace(plan, settings=replace(plan.settings, faults=(heavy, blind, *brown_outs)))
+    assert judged(plan) == set()
+    with broken("blind thrust"):
+        found = judged(plan)
+    assert any(kind == "lost" and "deep at the end" in says for kind, says in found)
+
+
 def test_what_sinks_behind_a_restart_that_knew_no_depth_is_left_and_otherwise_brought_up() -> None:
     """As flight 5865 of seed 707: it may be on deck, and a depth of 30 m an error."""
     plan = stage("sinks_unseen", 0)
