@@ -34,6 +34,7 @@ SLIGHT, SPARE = 1.0, 8.0  # N that may lift too slowly; N of lift that make a ri
 NEVER = 1e5  # s: by then what ends is over
 MOVES = 60.0  # s in which a depth shows that it moves as the vehicle does: two rounds of an ascent
 _MOVES_STILL = ("too_deep", "too_shallow", "late")  # faults of a depth that goes on moving with it
+NEVER_BELIEVED = ("depth_silent", "depth_absurd", "depth_full_scale")
 _GARBAGE = ("depth_full_scale", "depth_absurd", "stm32_silent")
 _SPEEDS = ("speed_log", "doppler")  # of the sensors that are added
 _FAST, _TURNS = 1.5, 4  # m/s; courses of a mission, each known too late by a speed that comes late

@@ -18,6 +18,7 @@ from links.simulated.settings import Settings
 from mission.model import AUTONOMOUS, SURFACED, SURFACING, Step, Tx
 from mission.verification.campaign.excuses import (
     NEVER,
+    NEVER_BELIEVED,
     SLIGHT,
     SPARE,
     blind_from_its_begin,
@@ -40,7 +41,6 @@ UNDER, ENDED = 0.3, 6  # m, s: an antenna under water, and fixes that have ended
 UNSEEN = 60.0  # s of being let go, in which fixes that end count (R7, at rest)
 RECEIVER_OFF = b"BDGPS C"  # to its node
 TOLD = 10  # s until fixes that end have told it (R7, at rest)
-_DARK = ("depth_silent", "depth_absurd", "depth_full_scale")  # of these nothing is ever believed
 _SPOIL = (
     *("attitude_", "roll_", "capsized", "deaf_to_u", "deaf_to_x", "dives_", "stm32_", "busy"),
     *("obeys_", "refuses", "ack_", "command_", "bytes_", "line_", "splice", "verticals_"),
@@ -96,7 +96,7 @@ def _turns_lift(trial: Trace, settings: Settings) -> bool:
     lifts more than the others let sink, where it lifts by as much as the vehicle is too heavy."""
     lasting = [f.name for f in settings.faults if fault_ends(f) >= NEVER]
     return trial.state == SURFACING and not any(
-        name.startswith(_SPOIL) or (name.startswith("depth_") and name not in _DARK)
+        name.startswith(_SPOIL) or (name.startswith("depth_") and name not in NEVER_BELIEVED)
         for name in lasting
     )
 

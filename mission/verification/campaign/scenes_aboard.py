@@ -226,6 +226,22 @@ def _pulled(rng: Random) -> Scene:
     )
 
 
+def _restarted_at_full_scale(rng: Random) -> Scene:
+    """Killed in whatever there is, with a depth at full scale as the program begins again; then W,
+    and at times a weight."""
+    t = rng.uniform(DOWN, 150.0)
+    said = (say(DOWN, rng.choice((W, X))),) if rng.random() < 0.7 else ()
+    faults = [fault("depth_full_scale", t, rng.choice((FOREVER, rng.uniform(4.0, 60.0))))]
+    if rng.random() < 0.3:
+        faults += [heavy(rng, t + rng.uniform(0.0, 40.0))]
+    ends = (
+        Disturbance(t, Act.KILL),
+        Disturbance(t + 2.0, Act.BOOT),
+        Disturbance(t + 3.0, Act.JOIN),
+    )
+    return Scene("deep", tuple(faults), (*said, *ends, say(t + rng.uniform(6.0, 30.0), W)))
+
+
 def _answered_by_another(rng: Random) -> Scene:
     """Something else is on the port and acknowledges the X; the board says nothing any more."""
     t = rng.uniform(DOWN, 60.0)
@@ -263,6 +279,7 @@ ABOARD: Mapping[str, SceneRow] = {
     "restarted_after_w": SceneRow("killed in an ascent", _restarted(W)),
     "restarted_after_x": SceneRow("killed when it was stopped", _restarted(X)),
     "restarted_frozen": SceneRow("killed, and its depth stands", _restarted_frozen),
+    "restarted_at_full_scale": SceneRow("its depth at full scale", _restarted_at_full_scale),
     "answered_by_another": SceneRow("something else acknowledges an X", _answered_by_another),
     "pulled": SceneRow("the cable is pulled for a moment", _pulled),
 }

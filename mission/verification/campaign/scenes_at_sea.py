@@ -61,6 +61,24 @@ def _heavy_when_surfaced(rng: Random) -> Scene:
     return Scene("there", (weight,), (say(DOWN, W),))
 
 
+def _held_up(rng: Random) -> Scene:
+    """Heavy out of surfaced, so that thrust holds it up; then what ends that, once and again, and
+    mostly no depth to see it by."""
+    begin = rng.uniform(80.0, 100.0)
+    faults = [fault("heavy", begin, FOREVER, round(rng.uniform(18.0, 40.0), 1))]
+    if rng.random() < 0.7:
+        blinds = "depth_silent", "depth_full_scale", "depth_absurd", "depth_frozen"
+        faults += [fault(rng.choice(blinds), begin + rng.uniform(25.0, 60.0))]
+    t = begin + rng.uniform(40.0, 80.0)
+    for _ in range(rng.randint(2, 4)):
+        faults += [fault(rng.choice(_ENDS_A_HOLD), t, rng.uniform(1.0, 4.0))]
+        t += rng.uniform(3.0, 7.0) if rng.random() < 0.8 else rng.uniform(20.0, 60.0)
+    return Scene("there", tuple(faults), (say(DOWN, W),))
+
+
+_ENDS_A_HOLD = ("stm32_restart", "stm32_restart", "command_lost", "deaf_to_u")
+
+
 def _heavy_when_idle(rng: Random) -> Scene:
     said = (say(DOWN, W), say(100.0, AC), say(108.0, AC))
     return Scene("there", (heavy(rng, rng.uniform(112.0, 130.0)),), said)
@@ -294,6 +312,7 @@ AT_SEA: Mapping[str, SceneRow] = {
     "heavy_after_x": SceneRow("X, and it is heavy", _heavy_after_x),
     "neutral_after_x": SceneRow("X, and it is neutral", _neutral_after_x),
     "heavy_when_surfaced": SceneRow("surfaced, and then heavy", _heavy_when_surfaced),
+    "held_up": SceneRow("held up at the surface, and what ends that", _held_up),
     "heavy_when_idle": SceneRow("idle, and then heavy", _heavy_when_idle),
     "heavy_when_waiting": SceneRow("the stick is let go, and it is heavy", _heavy_when_waiting),
     "heavy_with_auto_closed": SceneRow("AUTO is closed while it is heavy", _heavy_with_auto_closed),

@@ -63,7 +63,7 @@ _ON_ALL: Mapping[str, tuple[str, ...]] = {
     _WORDS: (
         *("deaf_to_w", "deaf_to_u", "dives_until_up", "dives_until_stop", "obeys_late"),
         *("garbled_x", "turns_after_a_stop", "refused", "no_answers", "answered_by_another"),
-        *("heavy_beside", "heavy_and_clogged", "slider", "busy_slider"),
+        *("heavy_beside", "heavy_and_clogged", "held_up", "slider", "busy_slider"),
     ),
     NO_RECEIVER: (
         *("stuck_receiver", "wandering_receiver", "blind_and_wandering", "heavy_and_wandering"),
@@ -73,6 +73,7 @@ _ON_ALL: Mapping[str, tuple[str, ...]] = {
     NO_SUCH_FAULT: (
         *("clogged", "wrong_compass", "loose_compass", "blind_compass", "full_scale_roll"),
         *("blind_altimeter", "blind_above_the_bottom", "lying_log", "lying_place"),
+        "restarted_at_full_scale",
     ),
     UNKNOWN_AT_REST: ("sinks_unseen",),
 }

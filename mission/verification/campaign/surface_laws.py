@@ -1,6 +1,8 @@
 """Laws of what holds at the surface alone, over the whole flight.
 
     surface    surfaced is said only of what is at the surface
+    end        and of that it is said, at the latest when buoyancy has had the time from the
+               vehicle's own depth, while fixes come
     clear      an emergency is cleared at the surface (or by the second @AC, up to 2 m)
     start      a mission begins at the surface (without a fix: up to 2 m)
 
@@ -9,6 +11,7 @@ What does not live here: how an ascent comes there (depth_laws, word_laws).
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterator
 from itertools import pairwise
@@ -17,7 +20,7 @@ from mission.model import STOPPED, SURFACED, SURFACING, By
 from mission.model.regions import EMERGENCY
 from mission.model.vehicle import STALE_AFTER
 from mission.verification.campaign.depth_laws import DEPTH_FAULTS
-from mission.verification.campaign.excuses import SLIGHT, lift
+from mission.verification.campaign.excuses import NEVER_BELIEVED, SLIGHT, lift
 from mission.verification.campaign.laws import Violation
 from mission.verification.campaign.story import AGAIN, SAME, Stay, Story
 
@@ -27,6 +30,7 @@ _REPORTS = 2.0  # s between two
 _NEARLY = 1.2  # m: 0.8 (R7), and the sensor
 _NEW = 20.0  # s in which a program that began anew has not heard a place twice
 _DOUBTED = 40.0  # s
+_OVER, _NO_FIXES = 60.0, ("gps", "capsized")  # s, and what hides them
 _REPEATING = ("gps_stuck", "gps2_stuck", "gps_in_turn")
 _START, _START_FREE, _CLEAR = 1.1, 2.6, 1.1  # m
 _CLEAR_AGAIN = 4.9, 30.5  # s: 5 to 30 (R7), and what a frame takes
@@ -38,6 +42,8 @@ def surface_laws(story: Story) -> Iterator[Violation]:
     for stay in story.stays:
         if stay.autonomous:
             yield from _starts_at_surface(story, stay)
+        if stay.state == SURFACING and story.board is None:
+            yield from _is_over(story, stay)
     for before, stay in pairwise(story.stays):
         if before.ascends and _is_told_surfaced(before, stay):
             yield from _is_at_surface(story, stay)
@@ -81,6 +87,21 @@ def _is_at_surface(story: Story, stay: Stay) -> Iterator[Violation]:
             f"surfaced, said {story.depth(t):.1f} m deep, {story.depth(t - _AFLOAT):.1f} m before"
         )
         yield Violation(UNLAWFUL, t, says)
+
+
+def _is_over(story: Story, stay: Stay) -> Iterator[Violation]:
+    """R7: without a depth, too, an ascent ends after the way from the vehicle's own depth."""
+    since = begin = stay.begin + story.vehicle.limits.depth / story.vehicle.ascent_buoyancy
+    lies = story.faults(("depth_",), 0.0, stay.end)
+    if any(fault.name not in NEVER_BELIEVED for fault in lies) or story.is_switched(0.0, stay.end):
+        return
+    for place in story.trial.track[math.ceil(begin) : int(stay.end)]:
+        t = place.t
+        if place.depth > _FIXED or story.hindered(t, t) or story.faulty(_NO_FIXES, t, t):
+            since = t
+        elif t - since > _OVER:
+            yield Violation(UNLAWFUL, t, f"it surfaces, and was up for {_OVER:.0f} s by its fixes")
+            return
 
 
 def _may_be_up(story: Story, stay: Stay) -> bool:

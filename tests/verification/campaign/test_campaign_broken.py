@@ -20,6 +20,8 @@ from mission.commands.faults import faults
 from mission.engine import monitor, vehicle_state
 from mission.engine.core import Core
 from mission.engine.limits import LIMITS
+from mission.engine.vehicle_state import VehicleState
+from mission.model import Health
 from mission.model.shipped import load_vehicle
 from mission.onboard.runtime import frontseat
 from mission.verification.campaign.broken import BROKEN, broken
@@ -92,6 +94,7 @@ SEEN = [
     ("unchanged depth", "restarted_frozen", 0, "unlawful", "surfaced, said"),
     ("fixes too early", "blind_and_wandering", 0, "unlawful", "surfaced, said"),
     ("blind thrust", "heavy_and_late", 1, "lost", "deep at the end"),
+    ("blind thrust", "held_up", 2, "lost", "deep at the end"),
     ("fixes against movement", "heavy_and_wandering", 0, "lost", "deep at the end"),
 ]
 
@@ -115,6 +118,23 @@ def test_a_scene_tells_a_rule_from_its_absence_by_its_law(
     with broken(rule):
         found = judged(stage(scene, seed))
     assert any(k == kind and says in words for k, words in found) == bool(kind), found
+
+
+@pytest.mark.replaces
+def test_a_depth_at_full_scale_as_the_program_begins_is_noticed_where_it_is_believed(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """It made the ascent behind it last for hours, and no law asked for its end."""
+    ask = VehicleState._ask  # noqa: SLF001
+
+    def believing(self: VehicleState, sensor: str) -> Health:
+        health = ask(self, sensor)
+        return Health(True, "", health.age) if health.reason == "absurd" else health
+
+    assert whole("restarted_at_full_scale", 1) == set()
+    monkeypatch.setattr(VehicleState, "_ask", believing)
+    found = judged(stage("restarted_at_full_scale", 1))
+    assert any(kind == "unlawful" and "by its fixes" in says for kind, says in found), found
 
 
 def test_a_depth_that_freezes_in_a_dive_lets_no_made_up_fix_end_the_ascent_below() -> None:
