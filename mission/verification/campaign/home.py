@@ -114,7 +114,7 @@ def _may_turn(trial: Trace, settings: Settings) -> bool:
 def _sank(trial: Trace) -> bool:
     """In truth, out of surfaced, and was brought up by itself: fixes that ended tell it later, and
     so does a receiver that an operator switches off."""
-    before, off = "", -math.inf
+    before, off, sank = "", -math.inf, False
     for event in trial.events:
         if isinstance(event, Tx) and event.data == RECEIVER_OFF:
             off = event.t
@@ -128,7 +128,7 @@ def _sank(trial: Trace) -> bool:
             any(p.depth > SANK for p in seen),
             all(p.depth > UNDER for p in seen[-ENDED:]),
         )
-        if again and (deep or under or event.t - off < UNSEEN):
-            return True
+        sank = sank or (again and (deep or under or event.t - off < UNSEEN))
+        sank = sank and state in (SURFACED, SURFACING)  # until the stick or a clear forgets it
         before = state
-    return False
+    return sank

@@ -242,6 +242,39 @@ def _restarted_at_full_scale(rng: Random) -> Scene:
     return Scene("deep", tuple(faults), (*said, *ends, say(t + rng.uniform(6.0, 30.0), W)))
 
 
+def _held_and_then(rng: Random) -> Scene:
+    """Held up at the surface, or floating again by then; and an operator does something else."""
+    lasts = FOREVER if rng.random() < 0.5 else rng.uniform(30.0, 50.0)
+    weight = fault("heavy", rng.uniform(85.0, 95.0), lasts, round(rng.uniform(17.0, 30.0), 1))
+    t = rng.uniform(140.0, 160.0)
+    stick = tuple(repeated(t, t + rng.uniform(0.0, 8.0), 0.2, rng.choice((b"@MMD6$", b"@MMF2$"))))
+    then = rng.choice(
+        (
+            stick,
+            (*stick, say(t + 20.0, W)),
+            (say(t, AC), say(t + 6.0, AC), say(t + 60.0, W)),
+            (say(t, W), say(t + rng.uniform(0.5, 15.0), AUTO_CLOSED)),
+            (say(t, AUTO_CLOSED), say(t + rng.uniform(5.0, 25.0), AUTO_OPEN)),
+        )
+    )
+    return Scene("there", (weight,), (say(DOWN, W), *then))
+
+
+def _started_from_stick(rng: Random) -> Scene:
+    """The stick leads down with no mission interrupted, is let go, and a start is asked for."""
+    t = rng.uniform(DOWN, 60.0)
+    ended = say(t, AUTO_CLOSED), say(t + 2.0, AUTO_OPEN)
+    stick = repeated(t + 5.0, t + 12.0, 0.2, b"@MMD8$")
+    return Scene("pool", (), (*ended, *stick, *repeated(t + 14.8, t + 20.0, 1.5, AA)))
+
+
+def _stick_out_of_time(rng: Random) -> Scene:
+    """The stick holds a mission up beyond its three minutes, which have gone on."""
+    t = rng.uniform(45.0, 60.0)
+    stick = repeated(t, t + 60.0, 0.5, b"@MMF3$")
+    return Scene("away", (), (say(30.0, b"@SP,2000,3,100,10,$"), *stick, say(t + 64.0, AA)))
+
+
 def _answered_by_another(rng: Random) -> Scene:
     """Something else is on the port and acknowledges the X; the board says nothing any more."""
     t = rng.uniform(DOWN, 60.0)
@@ -280,6 +313,9 @@ ABOARD: Mapping[str, SceneRow] = {
     "restarted_after_x": SceneRow("killed when it was stopped", _restarted(X)),
     "restarted_frozen": SceneRow("killed, and its depth stands", _restarted_frozen),
     "restarted_at_full_scale": SceneRow("its depth at full scale", _restarted_at_full_scale),
+    "held_and_then": SceneRow("held up at the surface, and an operator acts", _held_and_then),
+    "started_from_stick": SceneRow("a start out of a dive by the stick", _started_from_stick),
+    "stick_out_of_time": SceneRow("the mission's time ends after the stick", _stick_out_of_time),
     "answered_by_another": SceneRow("something else acknowledges an X", _answered_by_another),
     "pulled": SceneRow("the cable is pulled for a moment", _pulled),
 }

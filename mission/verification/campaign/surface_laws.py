@@ -17,7 +17,7 @@ from collections.abc import Iterator
 from itertools import pairwise
 
 from mission.model import STOPPED, SURFACED, SURFACING, By
-from mission.model.regions import EMERGENCY
+from mission.model.regions import EMERGENCY, MANUAL
 from mission.model.vehicle import STALE_AFTER
 from mission.verification.campaign.depth_laws import DEPTH_FAULTS
 from mission.verification.campaign.excuses import NEVER_BELIEVED, SLIGHT, lift
@@ -32,15 +32,17 @@ _NEW = 20.0  # s in which a program that began anew has not heard a place twice
 _DOUBTED = 40.0  # s
 _OVER, _NO_FIXES = 60.0, ("gps", "capsized")  # s, and what hides them
 _REPEATING = ("gps_stuck", "gps2_stuck", "gps_in_turn")
+_LIARS = (*_REPEATING, "gps_wanders", "gps2_wanders")
 _START, _START_FREE, _CLEAR = 1.1, 2.6, 1.1  # m
 _CLEAR_AGAIN = 4.9, 30.5  # s: 5 to 30 (R7), and what a frame takes
+_PROVED = 14  # s: what proves the surface where no depth tells is 10 s old (R7); two reports
 _AC, _ORDER = re.compile(rb"@AC\$"), re.compile(rb"@ZA(?:X0|WF)\$")
 _UNDETECTED = ("depth_too", "depth_drifting", "depth_late", "depth_stuck", "depth_inter")
 
 
 def surface_laws(story: Story) -> Iterator[Violation]:
     for stay in story.stays:
-        if stay.autonomous:
+        if stay.autonomous and _begins_anew(story, stay):
             yield from _starts_at_surface(story, stay)
         if stay.state == SURFACING and story.board is None:
             yield from _is_over(story, stay)
@@ -52,13 +54,19 @@ def surface_laws(story: Story) -> Iterator[Violation]:
 
 
 def _starts_at_surface(story: Story, stay: Stay) -> Iterator[Violation]:
-    if not stay.before.startswith("idle") or story.faulty(
-        DEPTH_FAULTS, stay.begin - 10.0, stay.begin
-    ):
+    if story.faulty(DEPTH_FAULTS, stay.begin - 10.0, stay.begin):
         return
     depth = story.depth(stay.begin)
     if depth > (_START_FREE if story.mission.start_without_fix else _START):
         yield Violation(UNLAWFUL, stay.begin, f"a mission begins {depth:.1f} m deep")
+
+
+def _begins_anew(story: Story, stay: Stay) -> bool:
+    """Out of idle, or out of a stick that has interrupted none."""
+    for before in reversed(story.stays[: story.stays.index(stay)]):
+        if not before.state.startswith(MANUAL):
+            return not before.autonomous
+    return False
 
 
 def _is_told_surfaced(before: Stay, stay: Stay) -> bool:
@@ -91,7 +99,8 @@ def _is_at_surface(story: Story, stay: Stay) -> Iterator[Violation]:
 
 def _is_over(story: Story, stay: Stay) -> Iterator[Violation]:
     """R7: without a depth, too, an ascent ends after the way from the vehicle's own depth."""
-    since = begin = stay.begin + story.vehicle.limits.depth / story.vehicle.ascent_buoyancy
+    way = story.vehicle.limits.depth / story.vehicle.ascent_buoyancy
+    since = begin = max(_ascends_since(story, stay) + way, stay.begin)
     lies = story.faults(("depth_",), 0.0, stay.end)
     if any(fault.name not in NEVER_BELIEVED for fault in lies) or story.is_switched(0.0, stay.end):
         return
@@ -112,7 +121,9 @@ def _may_be_up(story: Story, stay: Stay) -> bool:
         return True
     if story.hindered(begin + 2.0 * AGAIN, stay.begin):  # behind a restart it begins anew
         return True
-    return stay.begin - begin >= story.depth(begin) / story.vehicle.ascent_buoyancy
+    faults = [f.begin for f in story.faults(DEPTH_FAULTS, begin, stay.begin)]
+    known = max(begin, min(faults, default=begin))  # until then its depth was believed (R7)
+    return stay.begin - known >= story.depth(known) / story.vehicle.ascent_buoyancy
 
 
 def _ascends_since(story: Story, stay: Stay) -> float:
@@ -135,7 +146,10 @@ def _is_cleared(story: Story, stay: Stay) -> Iterator[Violation]:
     bound = _START_FREE if asked else _CLEAR
     in_vain = story.faulty(("verticals_",), t - _DOUBTED, t)  # pushes contradict a true depth
     unknown = asked and (in_vain or not story.told_in(t - STALE_AFTER, t))  # none is believed (R7)
-    if depth > bound and not unknown and not story.faulty(DEPTH_FAULTS, t - 10.0, t):
+    under = not asked and min(story.depth(t - i) for i in range(_PROVED + 1)) > _CLEAR
+    told = under and not story.faulty((*_UNDETECTED, *_LIARS), t - _DOUBTED, t)
+    faulty = story.faulty(DEPTH_FAULTS, t - 10.0, t) and not told
+    if depth > bound and not unknown and not faulty:
         yield Violation(UNLAWFUL, t, f"cleared {depth:.1f} m deep")
 
 
