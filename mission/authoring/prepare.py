@@ -23,7 +23,15 @@ from mission.authoring.compiler.compiler import compiled
 from mission.authoring.language import Draft, digest, draft, read_file
 from mission.authoring.language.files import Files, no_files
 from mission.model import Chart, Mission, legs_of
-from mission.model.diagnostics import Diagnosed, Diagnostic, MissionErrors, ordered, placed, whole
+from mission.model.diagnostics import (
+    Diagnosed,
+    Diagnostic,
+    MissionErrors,
+    Stage,
+    ordered,
+    placed,
+    whole,
+)
 from mission.model.shipped import load_vehicle, shipped_missions
 from mission.model.vehicle import Vehicle, VehicleError
 
@@ -39,6 +47,11 @@ _LACKS = (
 
 class Unreadable(Diagnosed):
     """There is no chart: a file cannot be read, or what it says cannot be flown."""
+
+    @property
+    def refused(self) -> bool:
+        """The mission can be read, and so can all else: it is what it says that cannot be flown."""
+        return all(found.stage in (Stage.COMPILE, Stage.CHECK) for found in self.diagnostics)
 
 
 @dataclass(frozen=True, slots=True)

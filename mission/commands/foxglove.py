@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import click
 
 from mission.commands.monitor import MONITOR
+from mission.commands.options import LinkUrlOrFile
 from mission.commands.output import write
 
 if TYPE_CHECKING:
@@ -20,7 +21,7 @@ LISTEN = "127.0.0.1:8765"
 
 
 @click.command()
-@click.option("--to", default=MONITOR, show_default=True, metavar="URL|FILE",
+@click.option("--to", type=LinkUrlOrFile(), default=MONITOR, show_default=True, metavar="URL|FILE",
               help="A vehicle's monitor, or a black box.")  # fmt: skip
 @click.option("--listen", default=LISTEN, show_default=True, metavar="HOST:PORT",
               help="Where viewers connect; port 0: any that is free.")  # fmt: skip

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from mission.commands.operator import TO
-from mission.commands.options import AS_JSON
+from mission.commands.options import AS_JSON, LinkUrl
 
 if TYPE_CHECKING:
     from mission.onboard.configuration import Configuration
@@ -24,7 +24,8 @@ ANSWER_S = 1.0
 @TO
 @AS_JSON
 @click.option("--list", "listed", is_flag=True, help="Show every word with an example.")
-@click.option("--port", metavar="URL", help="Instead of --to: a board's own port; no serve has it.")
+@click.option("--port", type=LinkUrl(), metavar="URL",
+              help="Instead of --to: a board's own port; no serve has it.")  # fmt: skip
 @click.option("--text", help="With --port: these characters as they are, e.g. '@RI$'.")
 @click.option("--hex", "as_hex", metavar="HEX", help="With --port: these bytes; on CAN ID#DATA.")
 @click.option("--every", type=click.FloatRange(min=0.01), default=0.1, show_default=True,
