@@ -32,6 +32,7 @@ from mission.model.diagnostics import (
     placed,
     whole,
 )
+from mission.model.likeness import nearest
 from mission.model.shipped import load_vehicle, shipped_missions
 from mission.model.vehicle import Vehicle, VehicleError
 
@@ -177,7 +178,9 @@ def mission_file(name: str | Path) -> Path:
     if str(path) in shipped:
         return shipped[str(path)]
     message = f"{path}: no such file, and no shipped mission"
-    raise Unreadable([whole("unreadable", message, f"there are {', '.join(shipped)}")])
+    close = nearest(str(path), shipped)
+    hint = f"did you mean {close}? " if close else ""
+    raise Unreadable([whole("unreadable", message, f"{hint}there are {', '.join(shipped)}")])
 
 
 def check_prepared(prepared: Prepared, depths: Depths | None = None) -> Report:

@@ -111,7 +111,13 @@ class _Progress:
 
 @click.command()
 @TO
-@click.option("--wait", default=0, metavar="SECONDS", help="Ask again so long while it refuses.")
+@click.option(
+    "--wait",
+    type=click.IntRange(0),
+    default=0,
+    metavar="SECONDS",
+    help="Ask again so long while it refuses.",
+)
 @AS_JSON
 def start(to: str, wait: int, as_json: bool) -> None:
     """Start the stored mission, or go on with the interrupted one (@AA)."""

@@ -144,9 +144,15 @@ def _from_hex(port: str, text: str) -> bytes:
     from protocol.vehicles.motorcan import from_line
 
     try:
-        return from_line(text) if port.startswith("can://") else bytes.fromhex(text)
+        if port.startswith("can://"):
+            return from_line(text)
     except ValueError as error:
         raise click.BadParameter(str(error), param_hint="--hex") from None
+    try:
+        return bytes.fromhex(text)
+    except ValueError:
+        why = f"{text!r}: write bytes of two hexadecimal digits each, for instance 40524924"
+        raise click.BadParameter(why, param_hint="--hex") from None
 
 
 def _frame(word: str, values: dict[str, Any]) -> bytes:

@@ -143,3 +143,48 @@ def test_a_shipped_mission_is_laid_out_by_its_name_where_nothing_is_written(
     assert "no shipped mission" in refused("fmt", "frist-dive", "--check").stderr
     Path("first-dive").write_text("mission first-dive vehicle auv\n a: gear 6 for 5\n")
     assert CliRunner().invoke(main, ["fmt", "first-dive"]).exit_code == 0
+
+
+# --- values that no vehicle, file or port takes --------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        ("limits --depth 1e99", "--depth: 1e+99: a number above 0, at most 65535, is needed"),
+        ("limits --voltage nan", "--voltage: nan: a number above 0, at most 65535, is needed"),
+        ("limits --radius 0", "--radius: 0: a number above 0"),
+        ("send SP depth_m=1e99", "depth_m: 1e+99 is outside 0..65535"),
+        ("time --at 1900-01-01T00:00:00", "the year of time is 1970 to 2099, not 1900"),
+        ("nodes Pi=closed", "names: STM32, BDGPS, UACM, CAMERA, AUTO"),
+        ("send --port serial:///dev/x --hex zz", "'zz': write bytes of two hexadecimal digits"),
+        ("start --wait -4", "-4 is not in the range"),
+        ("monitor --rate -1", "-1.0 is not in the range"),
+        ("monitor --bytes -1", "-1 is not in the range"),
+        ("foxglove --listen foo", "--listen: 'foo' is no HOST:PORT, as 127.0.0.1:8765"),
+        ("simulate first-dive --set depth_noise=inf", "inf is not a finite number"),
+        ("simulate harbr-survey", "did you mean harbour-survey?"),
+        (f"log {RECORDED} --from 50 --to 10", "nothing lies between --from 50 and --to 10"),
+    ],
+)
+def test_a_value_that_cannot_be_is_refused_with_its_option_and_what_can(
+    words: str, says: str
+) -> None:
+    ran = refused(*words.split())
+    assert says in ran.stderr
+    assert "fromhex" not in ran.stderr
+    assert "{" not in ran.stderr
+
+
+def test_bytes_that_are_not_hexadecimal_are_told_without_a_word_of_python() -> None:
+    ran = CliRunner().invoke(main, ["decode", "--link", "auv.any", "--hex"], input="zz\n")
+    assert ran.exit_code == 2
+    assert "line 1: not hexadecimal: 'zz'; write bytes of two digits each" in ran.stderr
+
+
+def test_the_help_of_serve_and_nodes_says_what_can_be_said() -> None:
+    serve, nodes = (
+        CliRunner().invoke(main, [name, "--help"]).stdout for name in ("serve", "nodes")
+    )
+    assert "tcp-listen://127.0.0.1:4000" in serve
+    assert "the Pi is shown, too, and never closed" in nodes
