@@ -160,7 +160,13 @@ class TimeFrame(TextFrame):
 
     def format(self, values: Mapping[str, Any]) -> str:
         year, month, day, hour, minute, second = clocktime.encodable(values, self.name)
+        if year not in clocktime.YEARS:
+            first, last = clocktime.YEARS[0], clocktime.YEARS[-1]
+            raise CannotEncode(f"{self.name}: the year of time is {first} to {last}, not {year}")
         return f",{year:04}/{month:02}/{day:02} {hour:02}:{minute:02}:{second:02},"
+
+
+MOST = 65535  # of a limit of @SP
 
 
 class SafetyFrame(TextFrame):
@@ -191,7 +197,7 @@ class SafetyFrame(TextFrame):
             reason = "empty" if refusal.kind is FaultKind.EMPTY_FIELD else refusal.kind
             flags.append(f"{name}:{reason}")
             return None
-        if not 0 < value <= 65535:
+        if not 0 < value <= MOST:
             flags.append(f"{name}:{FaultKind.OUT_OF_RANGE}")
             return None
         return value
@@ -203,10 +209,9 @@ class SafetyFrame(TextFrame):
     def _text(name: str, value: Any) -> str:
         if value is None:
             return ""
-        text = format_decimal(name, value)
-        if not 0 < value <= 65535:
-            raise CannotEncode(f"{name}: {value} is outside 0..65535 (0 excluded)")
-        return text
+        if isinstance(value, int | float) and not 0 < value <= MOST:
+            raise CannotEncode(f"{name}: {value} is outside 0..{MOST} (0 excluded)")
+        return format_decimal(name, value)
 
 
 class OutputFrame(TextFrame):

@@ -79,7 +79,9 @@ def _number(text: str, low: float = -inf, high: float = inf) -> float:
         value = float(text)
     except ValueError:
         raise SettingError(f"{text!r} is not a number") from None
-    if not isfinite(value) or not low <= value <= high:
+    if not isfinite(value):
+        raise SettingError(f"{text} is not a finite number")
+    if not low <= value <= high:
         raise SettingError(f"{text} is not between {low:g} and {high:g}")
     return value
 

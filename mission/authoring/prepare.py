@@ -23,7 +23,16 @@ from mission.authoring.compiler.compiler import compiled
 from mission.authoring.language import Draft, digest, draft, read_file
 from mission.authoring.language.files import Files, no_files
 from mission.model import Chart, Mission, legs_of
-from mission.model.diagnostics import Diagnosed, Diagnostic, MissionErrors, ordered, placed, whole
+from mission.model.diagnostics import (
+    Diagnosed,
+    Diagnostic,
+    MissionErrors,
+    Stage,
+    ordered,
+    placed,
+    whole,
+)
+from mission.model.likeness import nearest
 from mission.model.shipped import load_vehicle, shipped_missions
 from mission.model.vehicle import Vehicle, VehicleError
 
@@ -39,6 +48,11 @@ _LACKS = (
 
 class Unreadable(Diagnosed):
     """There is no chart: a file cannot be read, or what it says cannot be flown."""
+
+    @property
+    def refused(self) -> bool:
+        """The mission can be read, and so can all else: it is what it says that cannot be flown."""
+        return all(found.stage in (Stage.COMPILE, Stage.CHECK) for found in self.diagnostics)
 
 
 @dataclass(frozen=True, slots=True)
@@ -164,7 +178,9 @@ def mission_file(name: str | Path) -> Path:
     if str(path) in shipped:
         return shipped[str(path)]
     message = f"{path}: no such file, and no shipped mission"
-    raise Unreadable([whole("unreadable", message, f"there are {', '.join(shipped)}")])
+    close = nearest(str(path), shipped)
+    hint = f"did you mean {close}? " if close else ""
+    raise Unreadable([whole("unreadable", message, f"{hint}there are {', '.join(shipped)}")])
 
 
 def check_prepared(prepared: Prepared, depths: Depths | None = None) -> Report:

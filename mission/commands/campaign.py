@@ -26,7 +26,7 @@ Job = tuple["Claim", int, int]  # claim, seed, flight
 @click.argument("files", metavar="[MISSION]...", nargs=-1, type=MISSION)
 @click.option(
     "--missions",
-    type=click.IntRange(0),
+    type=click.IntRange(1),
     help="So many in all: the files (the shipped ones if none is named), then generated ones.",
 )
 @click.option(
@@ -71,11 +71,10 @@ def campaign(
     import sys
 
     from mission.authoring.prepare import Unreadable
-    from mission.model.shipped import load_vehicle
     from mission.verification.campaign.faults import fitting, shipped
     from mission.verification.campaign.proofs import Shown
-    from mission.verification.campaign.withheld import claims as withheld
 
+    _refuse_unknown(vehicle)
     if generated is not None and show:
         _print(vehicle, seed, generated)
         return
@@ -93,17 +92,41 @@ def campaign(
         sys.exit(2)
     first = generated or 0
     numbers = range(first, first + count - len(claims))
+    said = _said(word) if words or word is not None else []
+    if not (claims or numbers or said):
+        raise click.UsageError(f"no shipped mission flies on {vehicle}: name a MISSION")
     with where.keeping({"flights": "within what was proved", "seed": seed}, Shown) as kept:
-        claims += _generate(vehicle, seed, numbers, where.place)
-        if words or word is not None:
-            said = list(withheld(load_vehicle("auv")))
-            claims += said if word is None else said[word : word + 1]
+        claims += [*_generate(vehicle, seed, numbers, where.place), *said]
         which = range(flights) if flight is None else [flight]
         jobs: list[Job] = [(claim, seed, number) for claim in claims for number in which]
         tally = _fly(jobs, where.place, kept, with_stories=flight is not None)
     tally.missions = len(claims)
     click.echo(json.dumps(tally.as_json()))
     sys.exit(0 if tally.clean else 1)
+
+
+def _refuse_unknown(vehicle: str) -> None:
+    from mission.model.likeness import suggestion
+    from mission.model.shipped import shipped_vehicles
+
+    there = shipped_vehicles()
+    if vehicle not in there:
+        why = f"{vehicle}: no shipped vehicle; {suggestion(vehicle, there, 'there are')}"
+        raise click.BadParameter(why, param_hint="--vehicle")
+
+
+def _said(number: int | None) -> list[Claim]:
+    """The mission of this word, or those of all."""
+    from mission.model.shipped import load_vehicle
+    from mission.verification.campaign.withheld import claims
+
+    found = list(claims(load_vehicle("auv")))
+    if number is None:
+        return found
+    if number >= len(found):
+        why = f"{number}: the words have the numbers 0 to {len(found) - 1}"
+        raise click.BadParameter(why, param_hint="--word")
+    return [found[number]]
 
 
 @contextmanager

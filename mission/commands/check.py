@@ -45,7 +45,7 @@ def check(
         report = check_prepared(prepared, depths)
     except Unreadable as error:
         tell_unreadable(error, as_json)
-        sys.exit(2)
+        sys.exit(1 if error.refused else 2)
     today = datetime.now(UTC).date()
     if prepared.vehicle.ascent_measured and (why := doubt(prepared.vehicle, today)):
         click.echo(f"{prepared.vehicle.name}: {why}", err=True)

@@ -108,8 +108,13 @@ def _line_bytes(row: LinkRow, line: bytes, number: int) -> bytes:
             return row.line(text) if text else b""
         return bytes.fromhex(text)
     except ValueError as error:
-        kind = "no CAN frame ID#DATA" if row.line is not None else "not hexadecimal"
-        raise click.UsageError(f"line {number}: {kind}: {text[:60]!r} ({error})") from None
+        shown = repr(text[:60])
+        kind = (
+            f"not hexadecimal: {shown}; write bytes of two digits each"
+            if row.line is None
+            else f"no CAN frame ID#DATA: {shown} ({error})"
+        )
+        raise click.UsageError(f"line {number}: {kind}") from None
 
 
 # --- forms of output ---

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import click
 
 from mission.commands.options import MISSION, PROFILE, SEED, SETTINGS, VEHICLE
+from mission.commands.output import make_folder
 
 if TYPE_CHECKING:
     from mission.authoring.prepare import Prepared
@@ -58,6 +59,7 @@ def demo(
     path = mission or Path(OWN.get(vehicle or "", "first-dive"))
     prepared, worst = _proved(path, vehicle, settings)
     clear_earlier(out, LEFT)
+    make_folder(out)
     click.echo(f"{path}: at most {worst / 60:.1f} min of mission, {speed:g} times real time")
     shown, prepared = Shown(), replace(prepared, vehicle=in_dialect(prepared.vehicle, profile))
     named = vehicle or prepared.mission.vehicle

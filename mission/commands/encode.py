@@ -30,11 +30,10 @@ def encode(frame_type: str, values: str, as_hex: bool, options: tuple[str, ...])
     try:
         frame = types[frame_type].encode(given)
     except CannotEncode as error:
-        raise click.ClickException(str(error)) from None
+        raise click.BadParameter(str(error), param_hint="JSON") from None
     carried = types[frame_type].decode(frame)
     if idle := [name for name in given if name not in carried and name != "flags"]:
-        raise click.ClickException(
-            f"{frame_type}: nothing in this frame is called {', '.join(idle)};"
-            f" its values are {', '.join(carried) or 'none'}"
-        )
+        why = f"{frame_type}: nothing in this frame is called {', '.join(idle)}"
+        there = f"its values are {', '.join(carried) or 'none'}"
+        raise click.BadParameter(f"{why}; {there}", param_hint="JSON")
     click.echo(frame.hex() if as_hex else frame, nl=as_hex)

@@ -31,15 +31,22 @@ def exhaustive(
     import sys
 
     from mission.authoring.prepare import Unreadable
-    from mission.model.shipped import missions_folder
+    from mission.model.shipped import load_vehicle, missions_folder
+    from mission.model.vehicle import VehicleError
     from mission.verification.campaign.faults import fitting
     from mission.verification.exhaustive.configurations import Unreachable
     from mission.verification.exhaustive.run import Found, examine, unasked
 
+    try:
+        load_vehicle(vehicle or "auv")
+    except VehicleError as error:
+        raise click.BadParameter(error.brief, param_hint="--vehicle") from None
     auvs = (p for p in missions_folder().iterdir() if p.is_file())
     others = vehicle not in (None, "auv")
     shipped = [one.path for one in fitting(str(vehicle))] if others else sorted(auvs)
     chosen = missions or tuple(shipped)
+    if not chosen:
+        raise click.UsageError(f"no shipped mission flies on {vehicle}: name MISSIONS")
     try:
         with where.keeping({"cells": "all"}, Found) as kept:
             found = examine(

@@ -11,6 +11,7 @@ import click
 
 from mission.commands.jobs import Where, job_options
 from mission.commands.options import VEHICLE_NAME, tell_confirmed
+from mission.commands.output import make_folder
 
 if TYPE_CHECKING:
     from mission.onboard.runtime.records import Recorder
@@ -32,7 +33,10 @@ if TYPE_CHECKING:
     help="With --flight: folder for its black boxes, one for each life of the program.",
 )
 @click.option(
-    "--soak", metavar="DAYS", type=click.FloatRange(0.0), help="Missions in a row instead."
+    "--soak",
+    metavar="DAYS",
+    type=click.FloatRange(0.0, min_open=True),
+    help="Missions in a row instead.",
 )
 @click.option("--soaks", type=click.IntRange(1),
               help="With --soak: so many at once, of this seed and those behind it.")  # fmt: skip
@@ -366,6 +370,7 @@ def _recorders(
     from mission.onboard.blackbox import BlackBox, close_recording
     from mission.verification.simulation.flown import Flown
 
+    make_folder(folder)
     lives: list[BlackBox] = []
 
     def make() -> BlackBox:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterable
 from pathlib import Path
 
 import click
@@ -20,18 +21,22 @@ def fmt(files: tuple[Path, ...], only_check: bool, stdout: bool, as_json: bool) 
     """Lay out mission FILEs tidily, in place: indentation, blanks, comments in line.
 
     Words, numbers and comments stay as they are, and so does the mission's digest. A file with
-    errors is left as it is (exit 2).
+    errors is left as it is (exit 2). With --check or --stdout a FILE may be the bare name of a
+    shipped mission, too.
     """
-    from mission.authoring.language import MissionErrors
+    from mission.authoring.prepare import mission_file
+    from mission.model.diagnostics import Diagnosed
 
     if stdout and as_json:
         raise click.UsageError("--stdout prints the mission, --json what became of it: take one")
+    if not (only_check or stdout):
+        _refuse_shipped(files)
     changed, refusals = [], list[dict[str, object]]()
     for path in files:
         try:
-            if _laid_out(path, only_check, stdout):
+            if _laid_out(mission_file(path), only_check, stdout):
                 changed.append(path)
-        except MissionErrors as error:
+        except Diagnosed as error:
             click.echo(str(error), err=True)
             refusals += [found.as_object() for found in error.diagnostics]
     for path in changed:
@@ -40,6 +45,16 @@ def fmt(files: tuple[Path, ...], only_check: bool, stdout: bool, as_json: bool) 
         click.echo(json.dumps({"changed": [str(path) for path in changed], "refusals": refusals}))
     if refusals or (only_check and changed):
         raise SystemExit(2 if refusals else 1)
+
+
+def _refuse_shipped(files: Iterable[Path]) -> None:
+    """Nobody's own file is meant by the bare name of a shipped mission."""
+    from mission.model.shipped import shipped_missions
+
+    for path in files:
+        if str(path) in shipped_missions() and not path.exists():
+            why = f"{path} is a shipped mission, and FILE is laid out in place"
+            raise click.UsageError(f"{why}: add --stdout or --check, or name a file of your own")
 
 
 def _laid_out(path: Path, only_check: bool, stdout: bool) -> bool:

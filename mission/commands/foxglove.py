@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import click
 
 from mission.commands.monitor import MONITOR
+from mission.commands.options import LinkUrlOrFile
 from mission.commands.output import write
 
 if TYPE_CHECKING:
@@ -20,7 +21,7 @@ LISTEN = "127.0.0.1:8765"
 
 
 @click.command()
-@click.option("--to", default=MONITOR, show_default=True, metavar="URL|FILE",
+@click.option("--to", type=LinkUrlOrFile(), default=MONITOR, show_default=True, metavar="URL|FILE",
               help="A vehicle's monitor, or a black box.")  # fmt: skip
 @click.option("--listen", default=LISTEN, show_default=True, metavar="HOST:PORT",
               help="Where viewers connect; port 0: any that is free.")  # fmt: skip
@@ -44,9 +45,10 @@ def foxglove(to: str, listen: str, speed: float, layout: Path | None, seconds: f
     from mission.onboard.blackbox import BlackBoxError
     from mission.topside.monitor import NoMonitor
 
+    host, port = _address(listen)
     end = time.monotonic() + seconds if seconds else float("inf")
     try:
-        ticks = _live(to, listen) if "://" in to else _played(Path(to), listen, speed)
+        ticks = _live(to, host, port) if "://" in to else _played(Path(to), host, port, speed)
         for _ in ticks:
             if time.monotonic() >= end:
                 return
@@ -65,7 +67,7 @@ def _write_layout(path: Path) -> None:
     write(path, json.dumps(layout(), indent=2) + "\n")
 
 
-def _live(url: str, listen: str) -> Iterator[None]:
+def _live(url: str, host: str, port: int) -> Iterator[None]:
     """Serves what the monitor sends; yields between frames, for ever."""
     from mission.analysis.foxglove.live import TOPICS, Live
     from mission.topside.console import observe
@@ -75,7 +77,7 @@ def _live(url: str, listen: str) -> Iterator[None]:
     try:
         for frame in observe(url, wish(track=False), watched):
             if server is None and frame is not None:  # there is a monitor
-                server = _server(listen, TOPICS)
+                server = _server(host, port, TOPICS)
             if server is not None and frame is not None:
                 wall = time.time()
                 for message in live.receive(watched, frame, wall):
@@ -86,13 +88,13 @@ def _live(url: str, listen: str) -> Iterator[None]:
             server.close()
 
 
-def _played(path: Path, listen: str, speed: float) -> Iterator[None]:
+def _played(path: Path, host: str, port: int, speed: float) -> Iterator[None]:
     """Serves a recording at its pace; yields while it waits, for ever. Raises BlackBoxError."""
     from mission.analysis.foxglove.playing import TOPICS, begun, messages
     from mission.analysis.journal import recordings
 
     (items,) = recordings([path])
-    wall, server = begun(items), _server(listen, TOPICS)
+    wall, server = begun(items), _server(host, port, TOPICS)
     try:
         zero = time.monotonic()
         for message in messages(items):
@@ -108,13 +110,21 @@ def _played(path: Path, listen: str, speed: float) -> Iterator[None]:
         server.close()
 
 
-def _server(listen: str, names: tuple[str, ...]) -> Server:
-    from mission.analysis.foxglove.serving import Server
-
+def _address(listen: str) -> tuple[str, int]:
+    """Host and port. Raises BadParameter."""
     host, _, port = listen.rpartition(":")
     if not host or not port.isdecimal() or int(port) > 65535:
         raise click.BadParameter(f"{listen!r} is no HOST:PORT, as {LISTEN}", param_hint="--listen")
-    server = Server(host, int(port), names)
+    return host, int(port)
+
+
+def _server(host: str, port: int, names: tuple[str, ...]) -> Server:
+    from mission.analysis.foxglove.serving import Server
+
+    try:
+        server = Server(host, port, names)
+    except (OSError, RuntimeError) as error:
+        raise OSError(f"--listen {host}:{port}: {error}") from None
     click.echo(f"viewers connect to ws://{host}:{server.port}")
     return server
 

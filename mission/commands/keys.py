@@ -31,7 +31,7 @@ def keys(folder: Path, boats: tuple[str, ...], viewers: tuple[str, ...], as_json
         make_keys(folder, boats, made.append, viewers)
     except KeysError as error:
         click.echo(str(error), err=True)
-        raise SystemExit(1) from None
+        raise SystemExit(2) from None
     if as_json:
         click.echo(json.dumps({"made": [str(path) for path in made]}))
         return

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, BinaryIO
 
 import click
 
+from mission.commands.options import LinkUrl
+
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
@@ -24,7 +26,7 @@ _BOTH = ("auv.any", "auv.modem", _BUS)
 
 
 @click.command()
-@click.argument("url", metavar="URL")
+@click.argument("url", type=LinkUrl(), metavar="URL")
 @click.option("--link", "link_name", required=True, metavar="NAME",
               help="What is on it, e.g. auv.from_stm32; docs/protocol.md lists all.")  # fmt: skip
 @click.option("--raw", is_flag=True, help="The bytes of each frame and fault, in hexadecimal.")

@@ -44,6 +44,8 @@ def log(
     from mission.analysis import journal
     from mission.onboard.blackbox import BlackBoxError
 
+    if since > until:
+        raise click.UsageError(f"nothing lies between --from {since:g} and --to {until:g}")
     try:
         wanted = journal.Wanted(frozenset(topics or {"log"}), since, until, text)
         if follow:

@@ -25,10 +25,10 @@ def beside(url: str, ports: int) -> str:
 
 @click.command()
 @click.argument("url", type=LinkUrl(), default=MONITOR)
-@click.option(
-    "--rate", default=5.0, show_default=True, metavar="HZ", help="Frames a second, at most."
-)
-@click.option("--bytes", "most", default=16_000, show_default=True, help="Of one frame, at most.")
+@click.option("--rate", type=click.FloatRange(0.0, min_open=True), default=5.0, show_default=True,
+              metavar="HZ", help="Frames a second, at most.")  # fmt: skip
+@click.option("--bytes", "most", type=click.IntRange(1), default=16_000, show_default=True,
+              help="Of one frame, at most.")  # fmt: skip
 @click.option("--value", "values", multiple=True, metavar="NAME",
               help="Of the state only this; repeatable. For a thin radio.")  # fmt: skip
 @click.option("--track/--no-track", default=True, help="The track so far, and on.")

@@ -53,7 +53,7 @@ def upload(
     Over an acoustic modem (modem+serial:///dev/ttyUSB0?range=800&rate=600: m, bit/s) it goes in
     batches, and only what is missing goes again.
 
-    Exit 0 when the vehicle holds it, by its digest; 1 if not; 2 if it cannot be read.
+    Exit 0 when the vehicle holds it, by its digest; 1 if not; 2 if MISSION cannot be read.
     """
     from mission.authoring.language import script
     from mission.authoring.prepare import Unreadable, parameters_of, prepare
@@ -64,7 +64,7 @@ def upload(
         prepared = prepare(mission, vehicle, parameters_of(parameters))
     except Unreadable as error:
         tell_unreadable(error, as_json)
-        raise SystemExit(2) from None
+        raise SystemExit(1 if error.refused else 2) from None
     proved = _refuse_unchecked(prepared, force, as_json)
     lines = script(prepared.mission)
     say(lambda: console.upload(to, lines, prepared.chart.digest, _Progress(lines).show), as_json)
@@ -111,7 +111,13 @@ class _Progress:
 
 @click.command()
 @TO
-@click.option("--wait", default=0, metavar="SECONDS", help="Ask again so long while it refuses.")
+@click.option(
+    "--wait",
+    type=click.IntRange(0),
+    default=0,
+    metavar="SECONDS",
+    help="Ask again so long while it refuses.",
+)
 @AS_JSON
 def start(to: str, wait: int, as_json: bool) -> None:
     """Start the stored mission, or go on with the interrupted one (@AA)."""

@@ -34,16 +34,23 @@ class LinkUrl(click.ParamType):  # type: ignore[type-arg]  # generic since click
     name = "url"
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> str:
-        from links import LinkAddressError, parse_address
+        from links import LinkAddressError, check_url
         from mission.topside.underwater import modem_address
         from mission.topside.upload import OperatorError
 
         try:
             modem = modem_address(value)
-            parse_address(value if modem is None else modem.link)
+            check_url(value if modem is None else modem.link)
         except (LinkAddressError, OperatorError) as error:
             self.fail(str(error), param, ctx)
         return str(value)
+
+
+class LinkUrlOrFile(LinkUrl):
+    """The same, or a file or a name, which has no ://."""
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> str:
+        return super().convert(value, param, ctx) if "://" in value else str(value)
 
 
 def _missions() -> Iterable[str]:

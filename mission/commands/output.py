@@ -40,6 +40,25 @@ def writing(path: Path | None) -> Iterator[None]:
         raise SystemExit(2) from None
 
 
+def refuse_unwritable(file: Path) -> None:
+    """Before the work whose outcome it is to have: exit 2 if it cannot be written. What is in it
+    stays, and what is not there yet is not made."""
+    there = file.exists()
+    with writing(file):
+        file.open("ab").close()
+        if not there:
+            file.unlink()
+
+
+def make_folder(folder: Path) -> None:
+    """Before the work that fills it: exit 2 if nothing can be written there."""
+    import tempfile
+
+    with writing(folder):
+        folder.mkdir(parents=True, exist_ok=True)
+        tempfile.TemporaryFile(dir=folder).close()
+
+
 def write(output: Path | None, made: str | bytes) -> None:
     """To the file, or to standard output where none is named. Text is UTF-8. Exit 2 if the file
     cannot be written."""

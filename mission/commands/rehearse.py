@@ -18,7 +18,7 @@ from mission.commands.options import (
     SETTINGS,
     VEHICLE,
 )
-from mission.commands.output import writing
+from mission.commands.output import refuse_unwritable, writing
 from mission.commands.seafloor import depths_of
 from mission.commands.unreadable import tell_unreadable
 
@@ -65,7 +65,7 @@ def rehearse(
     follows the file, and the least water under the vehicle is told, with how many flights ran
     aground.
 
-    Exit 0 if all were completed, 1 if not, 2 if MISSION cannot be read.
+    Exit 0 if all were completed, 1 if not, 2 if MISSION cannot be read, or flown at all.
     """
     import functools
     import json
@@ -79,6 +79,8 @@ def rehearse(
     if output is not None and output.suffix.lower() not in (".png", ".svg", ".html"):
         raise click.UsageError(f"{output}: the suffix says what to write: .png, .svg or .html")
     named, prepared = _read(mission, vehicle, parameters, as_json)
+    if output is not None:
+        refuse_unwritable(output)
     tell = functools.partial(click.echo, err=True)
     floor = "" if bathymetry is None else str(bathymetry.resolve())
     _can_be_set(settings, prepared.vehicle)

@@ -77,6 +77,10 @@ def _check_one(
 ) -> None:
     if len(files) > 1 and (map_ or pictures or page.suffix in _PICTURES):
         raise click.UsageError("pictures and a map are of one FILE")
+    if page.suffix not in (".html", *_PICTURES):
+        raise click.UsageError(
+            f"{page}: the suffix says what to write: .html, or .png, .pdf or .svg for the track"
+        )
     if map_ is not None and map_.suffix not in _PICTURES:
         raise click.UsageError(f"--map {map_}: a map is a .png, .pdf or .svg")
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from mission.commands.operator import TO
-from mission.commands.options import AS_JSON
+from mission.commands.options import AS_JSON, LinkUrl
 
 if TYPE_CHECKING:
     from mission.onboard.configuration import Configuration
@@ -24,7 +24,8 @@ ANSWER_S = 1.0
 @TO
 @AS_JSON
 @click.option("--list", "listed", is_flag=True, help="Show every word with an example.")
-@click.option("--port", metavar="URL", help="Instead of --to: a board's own port; no serve has it.")
+@click.option("--port", type=LinkUrl(), metavar="URL",
+              help="Instead of --to: a board's own port; no serve has it.")  # fmt: skip
 @click.option("--text", help="With --port: these characters as they are, e.g. '@RI$'.")
 @click.option("--hex", "as_hex", metavar="HEX", help="With --port: these bytes; on CAN ID#DATA.")
 @click.option("--every", type=click.FloatRange(min=0.01), default=0.1, show_default=True,
@@ -143,9 +144,15 @@ def _from_hex(port: str, text: str) -> bytes:
     from protocol.vehicles.motorcan import from_line
 
     try:
-        return from_line(text) if port.startswith("can://") else bytes.fromhex(text)
+        if port.startswith("can://"):
+            return from_line(text)
     except ValueError as error:
         raise click.BadParameter(str(error), param_hint="--hex") from None
+    try:
+        return bytes.fromhex(text)
+    except ValueError:
+        why = f"{text!r}: write bytes of two hexadecimal digits each, for instance 40524924"
+        raise click.BadParameter(why, param_hint="--hex") from None
 
 
 def _frame(word: str, values: dict[str, Any]) -> bytes:

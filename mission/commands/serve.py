@@ -21,7 +21,8 @@ if TYPE_CHECKING:
 )
 @click.option("--vehicle", metavar="URL", help="Link to the STM32, e.g. serial:///dev/ttyUSB0.")
 @click.option("--gps", metavar="URL", help="Link to the GPS receiver; 'none' for none.")
-@click.option("--topside", metavar="URL", help="Where to listen, e.g. tcp://127.0.0.1:4000.")
+@click.option("--topside", metavar="URL",
+              help="Where to listen, e.g. tcp-listen://127.0.0.1:4000.")  # fmt: skip
 @click.option("--folder", type=click.Path(path_type=Path), help="For store/ and log/.")
 @click.option("--speed", type=click.FloatRange(min=0.01), default=1.0, show_default=True,
               help="Time factor of a demonstration; the same for all its processes.")  # fmt: skip

@@ -62,7 +62,7 @@ def simulate(
     With --bathymetry the sea floor follows the file; where it knows none it is the one that the
     mission assumes, else that of --set floor.
 
-    Exit 0 if the mission was completed, 1 if not, 2 if it cannot be read.
+    Exit 0 if the mission was completed, 1 if not, 2 if it cannot be read, or flown at all.
     """
     import sys
 

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import click
 
 from mission.commands.options import AS_JSON, PROFILE, SEED, SETTINGS, VEHICLE_NAME
+from mission.commands.output import refuse_unwritable
 
 if TYPE_CHECKING:
     from links.simulated.pty import Simulated
@@ -71,6 +72,8 @@ def vehicle(
     except (SettingError, ValueError) as error:
         click.echo(str(error), err=True)
         raise SystemExit(2) from None
+    if track is not None:
+        refuse_unwritable(track)
     on_bus = made if isinstance(made, SimulatedBoard) and made.name in ON_BUS else None
     config = _room(where := (folder or Path("out") / Path(name).stem).resolve())
 

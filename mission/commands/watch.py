@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from mission.commands.monitor import MONITOR, beside
-from mission.commands.options import SEED, SETTINGS, LinkUrl
+from mission.commands.options import SEED, SETTINGS, LinkUrl, LinkUrlOrFile
 
 if TYPE_CHECKING:
     from mission.model import Record
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 @click.command()
-@click.argument("source", default=MONITOR)
+@click.argument("source", type=LinkUrlOrFile(), default=MONITOR)
 @click.option("--to", type=LinkUrl(), metavar="URL",
               help="Where the vehicle's Pi listens; default: at SOURCE, the port before the "
               "monitor's.")  # fmt: skip

@@ -39,6 +39,8 @@ def limits(
 
     In force is the tightest of these, the mission's and the vehicle's own.
     """
+    from protocol.topside_frames import MOST
+
     given = {
         "radius_m": radius,
         "minutes": minutes,
@@ -47,6 +49,11 @@ def limits(
     }
     if all(value is None for value in given.values()):
         raise click.UsageError("give at least one of --radius, --time, --depth, --voltage")
+    options = ("--radius", "--time", "--depth", "--voltage")
+    for option, value in zip(options, given.values(), strict=True):
+        if value is not None and not 0.0 < value <= MOST:
+            why = f"{value:g}: a number above 0, at most {MOST}, is needed"
+            raise click.BadParameter(why, param_hint=option)
     say_word(to, "SP", given, as_json)
 
 
@@ -86,13 +93,14 @@ def _local(zone: str | None) -> str:
 def nodes(changes: tuple[str, ...], to: str, as_json: bool) -> None:
     """Show which nodes are open (@NI), or open and close some (@NS).
 
-    STM32, BDGPS, UACM, CAMERA, AUTO. Closing AUTO ends a mission, and nothing turns by itself until
-    it is open again.
+    STM32, BDGPS, UACM, CAMERA, AUTO; the Pi is shown, too, and never closed. Closing AUTO ends a
+    mission, and nothing turns by itself until it is open again.
     """
     from mission.topside.switches import nodes as script
     from protocol.topside_frames import NODES
 
-    wanted = _changes(changes, NODES, ("open", "closed"))
+    switched = tuple(name for name in NODES if name != "Pi")  # E-T2
+    wanted = _changes(changes, switched, ("open", "closed"))
     say_script(to, lambda took: script(wanted, took), as_json, "nodes")
 
 

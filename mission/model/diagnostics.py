@@ -129,14 +129,14 @@ def ordered(found: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:
 
 
 def shown(found: Sequence[Diagnostic], source: str) -> str:
-    """All of them, underlined, and how many they are; ``source`` is the text that was read, "" if
-    there was none."""
-    count, files = len(found), sorted({d.file or source for d in found})
-    total = f"{', '.join(files)}: " if source and files else ""
+    """All of them, underlined, and how many they are, in which files; ``source`` is the text that
+    was read, "" if there was none. What is wrong beside it is in none."""
+    count, files = len(found), sorted({d.file for d in found} - {""}) if source else []
+    total = f"{', '.join(files)}: " if files else ""
     total += f"{count} error{'s' if count != 1 else ''}"
     if count >= PROBLEMS.most:
         total += "; reading ended there, there may be more"
-    return "\n".join([*(d.rendered for d in found), *([total] if source or count > 1 else [])])
+    return "\n".join([*(d.rendered for d in found), *([total] if files or count > 1 else [])])
 
 
 def placed(found: Iterable[Diagnostic], text: str, file: str) -> tuple[Diagnostic, ...]:
@@ -174,7 +174,15 @@ class Diagnostics:
     def add(self, code: str, where: Where, message: str, hint: str = "") -> None:
         found = Diagnostic(self._stage, code, where, _clipped(message), _clipped(hint))
         found = _placed(found, self._lines, self._file)
-        self._found.setdefault((code, where.line, where.column, message), found)
+        self._take(message, found)
+
+    def add_outside(self, code: str, message: str, hint: str = "") -> None:
+        """What is wrong with what was given beside the text."""
+        self._take(message, whole(code, _clipped(message), _clipped(hint), self._stage))
+
+    def _take(self, message: str, found: Diagnostic) -> None:
+        where = found.where
+        self._found.setdefault((found.code, where.line, where.column, message), found)
         if len(self._found) >= PROBLEMS.most:
             self.complain()
 

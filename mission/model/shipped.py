@@ -42,8 +42,9 @@ def load_vehicle(name: str | Path) -> Vehicle:
         with path.open(encoding="utf-8") as file:
             text = file.read(LONGEST + 1)
     except FileNotFoundError:
-        known = ", ".join(shipped_vehicles())
-        raise _unreadable(f"no vehicle file {path}", f"shipped ones: {known}") from None
+        missed = f"no vehicle file {path}" if path == Path(name) else f"no such vehicle: {name}"
+        hint = f"shipped ones: {', '.join(shipped_vehicles())}; or give a file, .yaml or .yml"
+        raise _unreadable(missed, hint) from None
     except (OSError, UnicodeDecodeError) as error:
         raise _unreadable(f"{path}: cannot be read: {error}", "give a vehicle file") from error
     return read_vehicle(text, str(path))

@@ -97,6 +97,11 @@ def read_vehicle(text: str, where: str) -> Vehicle:
     if not isinstance(root, MappingNode):
         hint = "write keys and values, for instance vehicle: auv"
         raise found.refusal("yaml-type", Where(1, 1), "a vehicle file is a table of keys", hint)
+    for key in (key for key, _ in root.value if key.value == "mission"):
+        hint = "give a vehicle file, or the name of a shipped vehicle"
+        raise found.refusal(
+            "unknown-word", where_of(key), "this is a mission, no vehicle file", hint
+        )
     file = _File(found, root)
     vehicle = _vehicle(file)
     file.complain()

@@ -32,6 +32,7 @@ from pathlib import Path
 from reprlib import Repr
 from typing import Any
 
+from links.base import LinkError
 from mission.model.diagnostics import Diagnosed, Diagnostics, Stage, whole
 from mission.model.likeness import suggestion
 from mission.model.plain import UNSAID
@@ -97,12 +98,20 @@ class Configuration:
         return self.folder / "log"
 
 
-def load_configuration(path: Path | None) -> Configuration:
-    """The file's configuration, or the defaults without one. Raises ConfigurationError."""
+Judge = Callable[[tuple[str, ...], Any], None]  # of a key, with those above it, and its value
+
+
+def _unjudged(key: tuple[str, ...], value: Any) -> None:
+    """What only looks for the folder takes links that cannot be opened, too."""
+
+
+def load_configuration(path: Path | None, judge: Judge = _unjudged) -> Configuration:
+    """The file's configuration, or the defaults without one. ``judge`` raises LinkError for what
+    is written well and cannot be opened. Raises ConfigurationError."""
     if path is None:
         return Configuration()
     try:
-        return parse_configuration(path.read_text(encoding="utf-8"), str(path))
+        return parse_configuration(path.read_text(encoding="utf-8"), str(path), judge)
     except UnicodeDecodeError as error:
         raise _unreadable(path, "it is not UTF-8", "save it as UTF-8") from error
     except OSError as error:
@@ -116,7 +125,9 @@ def _unreadable(path: Path, why: str, hint: str) -> ConfigurationError:
     return ConfigurationError([whole("unreadable", message, hint, Stage.CONFIGURATION)])
 
 
-def parse_configuration(text: str, where: str = "configuration") -> Configuration:
+def parse_configuration(
+    text: str, where: str = "configuration", judge: Judge = _unjudged
+) -> Configuration:
     """Raises ConfigurationError with everything that is wrong."""
     # yaml: may be missing (provision)
     from mission.model.yaml_tree import YamlFault, places, tree, values
@@ -134,7 +145,7 @@ def parse_configuration(text: str, where: str = "configuration") -> Configuratio
     if not isinstance(data, dict):
         message = f"a configuration is a table of keys, not {shown(data)}"
         raise found.refusal("yaml-type", Where(1, 1), message, "write for instance vehicle: auv")
-    given = _Tables(found, places(root)).read(data, _KEYS)
+    given = _Tables(found, places(root), judge).read(data, _KEYS)
     found.complain()
     return Configuration(**given)
 
@@ -145,6 +156,7 @@ class _Tables:
 
     found: Diagnostics
     places: Mapping[tuple[str, ...], tuple[Where, Where]]
+    judge: Judge
 
     def read(
         self, data: Mapping[Any, Any], keys: Mapping[str, Any], above: tuple[str, ...] = ()
@@ -182,7 +194,8 @@ class _Tables:
     ) -> None:
         try:
             values[key] = read(value)
-        except (_Wrong, UnitError) as error:
+            self.judge(path, values[key])
+        except (_Wrong, UnitError, LinkError) as error:
             what, _, instead = str(error).partition("; ")
             hint = instead or f"default: {_default(path)}"
             self.found.add("value", where, ": ".join([*path, what]), hint)

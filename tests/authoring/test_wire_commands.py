@@ -119,16 +119,16 @@ def test_encode_prints_the_frame_raw_or_as_hex() -> None:
 
 
 def test_encode_refuses_what_is_out_of_range() -> None:
-    assert "outside 0..12" in run("encode", "auv.MM", '{"dir": "F", "speed": 13}', code=1)
+    assert "outside 0..12" in run("encode", "auv.MM", '{"dir": "F", "speed": 13}', code=2)
 
 
 def test_encode_refuses_names_that_the_frame_does_not_have() -> None:
     typed = '{"thruster": 1, "gear": 3, "speed": 2}'
-    says = run("encode", "auv.MT", typed, code=1)
+    says = run("encode", "auv.MT", typed, code=2)
     assert "called speed" in says
     assert "thruster, gear" in says
-    assert "called gear" in run("encode", "auv.ZA", '{"code": "X", "gear": 3}', code=1)
-    assert "are none" in run("encode", "auv.NI", '{"a": 1}', code=1)
+    assert "called gear" in run("encode", "auv.ZA", '{"code": "X", "gear": 3}', code=2)
+    assert "are none" in run("encode", "auv.NI", '{"a": 1}', code=2)
     shown = json.dumps({"switches": "COOCCCO", "effective": "OOOCOCO", "flags": []})
     assert run("encode", "auv.RS", shown) == "@RSCOOCCCO$"
 

@@ -55,7 +55,7 @@ def test_who_is_there_in_the_other_role_is_refused_and_nothing_is_made(tmp_path:
         ("--boat", "guest", "a viewer's, who may only look"),
     ):
         ran = CliRunner().invoke(keys, [str(tmp_path), "--viewer", "new", word, name])
-        assert ran.exit_code == 1
+        assert ran.exit_code == 2
         assert says in ran.output
         assert "another name" in ran.output
     assert {p: p.read_bytes() for p in tmp_path.rglob("*") if p.is_file()} == before
@@ -82,5 +82,14 @@ def test_without_openssl_it_says_what_to_do(
 ) -> None:
     monkeypatch.setattr(shutil, "which", lambda _: None)
     ran = CliRunner().invoke(keys, [str(tmp_path)])
-    assert ran.exit_code == 1
+    assert ran.exit_code == 2
     assert "apt install openssl" in ran.output
+
+
+@pytest.mark.parametrize("arguments", [["/proc/x"], ["{folder}/k", "--boat", "../x"]])
+def test_keys_that_cannot_be_made_there_are_an_error_of_the_call(
+    arguments: list[str], tmp_path: Path
+) -> None:
+    ran = CliRunner().invoke(keys, [one.format(folder=tmp_path) for one in arguments])
+    assert ran.exit_code == 2
+    assert not list(tmp_path.iterdir())

@@ -115,6 +115,33 @@ def test_where_nothing_was_under_way_somebody_has_to_mend_what_is_broken(tmp_pat
         provide(config, NONE, None, {})
 
 
+def test_everything_that_is_wrong_is_told_at_once_each_with_its_place(tmp_path: Path) -> None:
+    config = tmp_path / "serve.yaml"
+    config.write_text(
+        "{vehicle: nosuch, manual_for: -1,\n"
+        " links: {topside: foo, gps: bar, vehicle: 'serial:///dev/x?baud=abc'}}\n"
+    )
+    with pytest.raises(Unusable) as caught:
+        provide(config, NONE, tmp_path / "pi", {})
+    said = str(caught.value).splitlines()
+    for line, begins in zip(said, (
+        f"{config}:1:31: manual_for: ",
+        f"{config}:2:19: links: topside: 'foo' is no link's URL",
+        f"{config}:2:29: links: gps: 'bar' is no link's URL",
+        f"{config}:2:43: links: vehicle: serial:///dev/x?baud=abc: baud=abc: a number from 50",
+        "no such vehicle: nosuch",
+    ), strict=True):  # fmt: skip
+        assert line.startswith(begins)
+
+
+def test_a_link_that_the_command_line_overrules_may_be_wrong_in_the_file(tmp_path: Path) -> None:
+    config = written(tmp_path, "")
+    config.write_text(config.read_text().replace(URL, "serail:///dev/x"))
+    assert provide(config, {"vehicle": URL}, None, {}).configuration.links.vehicle == OPENED
+    with pytest.raises(Unusable, match=r"(?m)^--gps: 'nonsense' .*\n.*links: vehicle: 'serail:"):
+        provide(config, {"gps": "nonsense"}, None, {})
+
+
 def test_the_folder_of_the_service_manager_is_looked_into(tmp_path: Path) -> None:
     config = begun(tmp_path)
     config.unlink()

@@ -32,7 +32,7 @@ def test_what_an_earlier_demonstration_left_is_removed(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def fails(self: Demo) -> None:
-        raise DemoError(f"{self.folder}: {self.folder.exists()}")
+        raise DemoError(f"{self.folder}: {[*self.folder.iterdir()]}")
 
     monkeypatch.setattr(Demo, "fly", fails)
     out = tmp_path / "out"
@@ -40,7 +40,7 @@ def test_what_an_earlier_demonstration_left_is_removed(
     (out / "vehicle.log").write_text("")
     ran = CliRunner().invoke(command.demo, ["--out", str(out)])
     assert ran.exit_code == 1
-    assert f"{out}: False" in ran.stderr
+    assert f"{out}: []" in ran.stderr
 
 
 def test_a_mission_the_check_refuses_is_not_flown(tmp_path: Path) -> None:
@@ -121,8 +121,8 @@ def test_a_folder_that_cannot_be_made_and_a_sea_that_is_none_are_told(tmp_path: 
     out = tmp_path / "file" / "out"
     out.parent.write_text("")
     ran = CliRunner().invoke(command.demo, ["--out", str(out)])
-    assert ran.exit_code == 1
-    assert f"{out}: Not a directory" in ran.stderr
+    assert ran.exit_code == 2
+    assert f"{out}: cannot be written: Not a directory" in ran.stderr
     left = tmp_path / "out"
     (left / "pi").mkdir(parents=True)
     ran = CliRunner().invoke(command.demo, ["--out", str(left), "--set", "curent=1"])

@@ -6,6 +6,7 @@ import functools
 import json
 import os
 import platform
+import re
 import signal
 import subprocess
 import sys
@@ -14,10 +15,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
 from known_missions import KNOWN as SHIPPED
 from labour import Job, do
 from served import soon
 
+from mission.cli import main
 from mission.verification.campaign.faults import FlightResult, fly_numbered
 from mission.verification.workers import results, working
 from mission.verification.workers.code import code, difference
@@ -203,6 +206,28 @@ def test_a_file_of_something_else_is_refused_and_left_alone(content: str, tmp_pa
     with pytest.raises(Unusable, match="no file of results"):
         kept_squares(file, SQUARES)
     assert file.read_text() == content
+
+
+@pytest.mark.parametrize("file", ["nodir/kept.jsonl", "/proc/kept.jsonl", "."])
+def test_a_file_that_cannot_be_written_is_refused_before_any_job(
+    file: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(Unusable, match=f"^{re.escape(file)}: cannot be written: "):
+        kept_squares(Path(file), SQUARES)
+
+
+@pytest.mark.parametrize(
+    "call", [["faults"], ["campaign"], ["exhaustive"], ["rehearse", "first-dive"]]
+)
+def test_results_that_can_be_kept_nowhere_end_a_command_before_anything_is_flown(
+    call: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    ran = CliRunner().invoke(main, [*call, "--on", "local", "--resume", "nodir/kept.jsonl"])
+    assert (ran.exit_code, ran.stdout) == (2, "")
+    assert "Error: nodir/kept.jsonl: cannot be written: No such file" in ran.stderr
+    assert " flights" not in ran.stderr
 
 
 # --- which program, and how far ---

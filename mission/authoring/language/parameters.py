@@ -15,7 +15,6 @@ from mission.authoring.language.clauses import Amount, Parameter, Statement
 from mission.authoring.language.words import CLAUSES, SETTINGS, kinds
 from mission.engine.variables import VARIABLES
 from mission.legs import LEGS
-from mission.model import NOWHERE
 from mission.model.diagnostics import Diagnostics
 from mission.model.likeness import suggestion
 from mission.model.tables import derived
@@ -62,7 +61,7 @@ def _override(found: dict[str, Amount], name: str, text: str, problems: Diagnost
     default = found.get(name)
     if default is None:
         hint = suggestion(name, list(found), "parameters") or "this mission has no parameters"
-        problems.add("unknown-parameter", NOWHERE, f"there is no parameter {name!r}", hint)
+        problems.add_outside("unknown-parameter", f"there is no parameter {name!r}", hint)
         return
     match = re.fullmatch(r"\s*(-?[\d.]+(?:[eE][-+]?\d+)?)\s*([A-Za-z/%]*)\s*", text)
     unit = match[2] or default.unit if match else ""
@@ -70,7 +69,7 @@ def _override(found: dict[str, Amount], name: str, text: str, problems: Diagnost
         quantity(f"{match[1]} {unit}" if match else text, unit)
     except (UnitError, KeyError) as error:
         message = f"parameter {name}: {text!r} is no value for it"
-        problems.add("parameter-value", NOWHERE, message, str(error))
+        problems.add_outside("parameter-value", message, str(error))
         return
     if match is not None:
         found[name] = Amount(match[1], unit, default.where)

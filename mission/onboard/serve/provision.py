@@ -21,6 +21,7 @@ import os
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 from links import LinkAddressError, check_url, parse_address
 from links.base import LinkError
@@ -40,6 +41,7 @@ from mission.onboard.store import DiskStore, LostStore, Store, StoreError
 
 BUILT_IN = "auv"
 TOPSIDE_PORT = 4000
+_NEEDED = ("vehicle", "gps", "topside", "modem")
 
 
 class Unusable(ValueError):
@@ -72,8 +74,8 @@ def provide(
     """``given``: the links of the command line, by name. Raises Unusable."""
     homes = Homes(config, folder, environment)
     faults: list[str] = []
-    configuration = _configuration(config, given, folder, faults)
-    vehicle = None if configuration is None else _vehicle(configuration.vehicle, faults)
+    configuration, named = _configuration(config, given, folder, faults)
+    vehicle = _vehicle(named, faults)
     if configuration is None or vehicle is None:
         configuration, vehicle, store = _fall_back(configuration, given, homes, faults)
     else:
@@ -89,21 +91,28 @@ def _configuration(
     given: Mapping[str, str | None],
     folder: Path | None,
     faults: list[str],
-) -> Configuration | None:
+) -> tuple[Configuration | None, str]:
+    """And the vehicle that it names, which is told of beside what is wrong with all else."""
+    named = [BUILT_IN]
+
+    def judge(key: tuple[str, ...], value: Any) -> None:
+        if key == ("vehicle",):
+            named.append(value)
+        elif key[0] == "links" and value is not None and not given.get(key[1]):
+            _check(key[1], value)
+
     try:
-        read = load_configuration(config)
-        links = _with(read.links, given)
-        for url in _urls(links):
-            check_url(url)
+        faults += _wrong(given)
+        read = load_configuration(config, judge)
     except ConfigurationError as error:
         faults.append(error.brief)
-    except LinkError as error:
-        faults.append(str(error))
     except Exception as error:  # a library that is missing, a home that nobody has
         faults.append(f"the configuration cannot be read: {type(error).__name__}: {error}")
     else:
-        return replace(read, links=links, folder=folder or read.folder)
-    return None
+        if not faults:
+            links = _with(read.links, given)
+            return replace(read, links=links, folder=folder or read.folder), named[-1]
+    return None, named[-1]
 
 
 def _vehicle(name: str, faults: list[str]) -> Vehicle | None:
@@ -167,17 +176,26 @@ def _with(links: LinkUrls, given: Mapping[str, str | None]) -> LinkUrls:
     return replace(links, **urls)  # type: ignore[arg-type]
 
 
-def _urls(links: LinkUrls) -> list[str]:
-    urls = (links.vehicle, links.gps, listening(links.topside), links.modem)
-    return [url for url in urls if url is not None]
+def _check(name: str, url: str) -> None:
+    """Of what serve does not begin with where it is wrong. Raises LinkError."""
+    if name in _NEEDED:
+        check_url(listening(url) if name == "topside" else url)
+
+
+def _wrong(given: Mapping[str, str | None]) -> list[str]:
+    """What of the command line's links can never be opened."""
+    found = []
+    for name, url in given.items():
+        try:
+            if url and (name, url) != ("gps", "none"):
+                _check(name, url)
+        except LinkError as error:
+            found.append(f"--{name}: {error}")
+    return found
 
 
 def _opens(name: str, url: str) -> bool:
-    try:
-        check_url(listening(url) if name == "topside" else url)
-    except LinkAddressError:
-        return name == "gps" and url == "none"
-    return True
+    return not _wrong({name: url})
 
 
 def _port(topside: str) -> int:

@@ -19,7 +19,7 @@ _R = TypeVar("_R")
 
 
 class Unusable(ValueError):
-    """The file is another campaign's, another program's, or none of ours."""
+    """The file is another campaign's, another program's, none of ours, or cannot be written."""
 
 
 class Kept(Generic[_R]):
@@ -44,17 +44,27 @@ class Kept(Generic[_R]):
 
 @contextmanager
 def keeping(path: Path | None, asked: Mapping[str, Any], kind: Any) -> Iterator[Kept[Any]]:
-    """``asked`` is plain: what the results follow from. Raises Unusable, OSError."""
+    """``asked`` is plain: what the results follow from. Raises Unusable."""
     if path is None:
         yield Kept(kind, {})
         return
     head = json.loads(json.dumps({"asked": dict(asked), "code": dict(code())}))
-    found = _read(path, head) if path.exists() and path.stat().st_size else None
-    with path.open("a", encoding="utf-8") as file:
+    found, file = _opened(path, head)
+    with file:
+        yield Kept(kind, found, file)
+
+
+def _opened(path: Path, head: Mapping[str, Any]) -> tuple[dict[str, Any], IO[str]]:
+    """What is kept there, and the file, to write behind it."""
+    try:
+        found = _read(path, head) if path.exists() and path.stat().st_size else None
+        file = path.open("a", encoding="utf-8")
         if found is None:
             file.write(json.dumps(head) + "\n")
             file.flush()
-        yield Kept(kind, found or {}, file)
+    except OSError as error:
+        raise Unusable(f"{path}: cannot be written: {error.strerror or error}") from None
+    return found or {}, file
 
 
 def _read(path: Path, head: Mapping[str, Any]) -> dict[str, Any]:
