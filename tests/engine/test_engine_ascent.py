@@ -462,6 +462,26 @@ def test_a_wave_over_the_hull_begins_the_six_seconds_anew():
     assert world.state == SURFACING
 
 
+def test_the_way_up_counts_from_the_last_depth_that_was_believed():
+    """Not from the first word of an ascent that had not risen until then."""
+    world = surfacing(14.0)
+    world.wait(100.0)
+    world.nav.doubt["depth"] = "contradicted: it stands"
+    fixes(world, int(14.0 / VEHICLE.ascent_buoyancy) - 1)
+    assert world.state == SURFACING
+    fixes(world, int((VEHICLE.limits.depth - 14.0) / VEHICLE.ascent_buoyancy) + 10)
+    assert world.state == SURFACED
+
+
+def test_an_operator_who_says_w_again_and_again_puts_off_no_end_of_an_ascent():
+    world = surfacing(None)
+    for _ in range(int(VEHICLE.limits.depth / VEHICLE.ascent_buoyancy / 5.0) + 3):
+        if world.state == SURFACING:
+            world.tell(W)
+        fixes(world, 5)
+    assert world.state == SURFACED
+
+
 def test_seconds_of_fixes_are_the_surface_too_where_no_depth_is_believed():
     world = surfacing(0.6)
     world.nav.doubt["depth"] = "contradicted: it stands"

@@ -18,7 +18,7 @@ from mission.model import (
     Group,
 )
 from mission.model.shipped import load_vehicle
-from protocol.messages import Emergency, Order, Setpoint, StartMission
+from protocol.messages import Emergency, Order, Setpoint, SetSafety, StartMission
 
 
 def flying() -> World:
@@ -286,6 +286,17 @@ def test_the_missions_clock_goes_on_in_manual():
     world.wait(50.0)
     assert world.tell(StartMission()).verdicts[0].accepted
     assert world.engine.mission_time == pytest.approx(50.0)
+
+
+def test_the_limit_of_time_counts_from_the_missions_begin_through_a_stick():
+    world = flying()
+    world.tell(SetSafety(time=60.0))
+    world.tell(M)
+    world.wait(50.0)
+    assert world.tell(StartMission()).verdicts[0].accepted
+    world.wait(12.0)
+    assert world.state == SURFACING
+    assert "limit time" in world.engine.reason
 
 
 def test_the_age_of_the_reports_starts_again():

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from engine_world import HOME, M, W, World, X, compiled, leg, mission, sets, when
+from engine_world import HOME, M, W, World, X, compiled, fixes, leg, mission, sets, when
 
 from mission.engine.engine import Engine
 from mission.engine.restart import STICK, UNANSWERED
@@ -152,6 +152,29 @@ def test_start_is_refused_where_there_is_nothing_to_start(state: str):
     assert not out.verdicts[0].accepted
     assert out.verdicts[0].why
     assert world.state == state
+
+
+def test_a_mission_begins_out_of_waiting_at_the_surface_alone():
+    world = world_in(IDLE_READY)
+    world.tell(M)
+    world.wait(4.0)
+    world.depth = 5.0
+    world.wait(2.0)
+    world.tell(world.fix(3.0), StartMission())
+    assert not world.verdicts[-1].accepted
+    assert "deep" in world.verdicts[-1].why
+    assert world.state == "manual/waiting"
+
+
+def test_an_old_proof_of_the_surface_clears_nothing_where_no_depth_tells():
+    """Fixes that end over a minute behind say no more: it may have sunk meanwhile, unseen."""
+    world = world_in(SURFACED)
+    world.depth = None
+    fixes(world, 70)
+    world.wait(12.0)
+    world.tell(ClearMission())
+    assert not world.verdicts[-1].accepted
+    assert world.state == SURFACED
 
 
 def test_start_waits_for_navigation_and_says_so():

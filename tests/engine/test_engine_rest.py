@@ -318,6 +318,31 @@ def test_what_has_held_it_up_in_between_is_said_again_and_nothing_else():
     assert set(world.commands()[said:]) == {UPWARD}
 
 
+@pytest.mark.parametrize("taken", [M, ClearMission()])
+def test_what_the_stick_or_a_clear_has_taken_over_is_held_up_no_more(taken):
+    """Nor is it behind the next ascent: it may float by now, and people may pick it up."""
+    world = held_up()
+    world.tell(taken)
+    said = len(world.actions)
+    world.actuators = (0.0,) * 5
+    world.wait(20.0)
+    assert set(world.commands()[said:]) <= {Order.STOP}
+    world.tell(W)
+    world.wait(12.0)
+    assert (world.state, world.commands()[-1]) == (SURFACED, Order.STOP)
+
+
+def test_an_ascent_of_what_was_held_up_goes_on_when_auto_is_closed():
+    """Nothing is let go: it is let go at the surface."""
+    world = held_up()
+    world.depth = 0.7
+    world.tell(W)
+    said = len(world.actions)
+    world.tell(AutoNode(False))
+    assert world.state == SURFACING
+    assert len(world.actions) == said
+
+
 def test_what_is_held_up_is_let_go_when_auto_is_closed_and_until_it_is_acknowledged():
     """A hand may be at a thruster: a stop as any other."""
     world = held_up()

@@ -500,6 +500,13 @@ def test_what_reports_breach_stays_breached_while_only_the_clock_goes_on():
     assert one.breaches == (over, silent)
 
 
+@pytest.mark.parametrize("angle", ["roll", "pitch"])
+def test_a_roll_over_is_either_angle_beyond_the_vehicles_own(angle: str):
+    one = watch(**{"roll": 0.0, "pitch": 0.0, angle: VEHICLE.limits.roll + 0.01})
+    rows = one.look(reported=True, fixed=False) + one.look(reported=True, fixed=False)
+    assert [row.name for row in rows] == ["roll-over"]
+
+
 def test_a_limit_that_is_forgiven_counts_anew():
     one = watch(roll=3.0)
     row = next(row for row in LIMITS.values() if row.name == "roll-over")
