@@ -152,6 +152,20 @@ def held_then_anew(blind: bool, away: float) -> Script:
     return script
 
 
+def held_then_anew_twice(world: World) -> Steps:
+    """Held up behind a W, its depth silent and 12 N too heavy; then the board begins anew twice: the word that holds
+    it up seems to turn nothing, and the other one lasts 0.2 s as built."""
+    yield from held_up_after_w(world)
+    world.marks.pop("due")
+    world.body.buoyancy = -12.0
+    tells(world, silent)
+    yield from world.wait(5)
+    yield from begins_anew(world, 0)
+    yield from world.wait(4.5)
+    yield from begins_anew(world, 0)
+    yield from world.wait(400)
+
+
 def waits_and_sinks(world: World) -> Steps:
     """The mission's last leg waits at the surface for 4 min; there it sinks, as slowly as what leaks does."""
     yield from go(world, WAITS)
@@ -369,6 +383,13 @@ SCENES: tuple[Scene, ...] = (
             ("held-w-blind-away-longer", True, 7, LOST_FIXES),
         )
     ],
+    Scene(
+        "held-w-blind-browned-out-twice",
+        "without a depth it is lifted by the word that last showed a thruster on",
+        held_then_anew_twice,
+        (reached(), home(120, HELD, off=False), stays(8.0), upward_within(5), lives()),
+        world=TRUE_FIXES,
+    ),
     *[
         Scene(
             f"waits-and-leaks-{floor:.0f}-m",
