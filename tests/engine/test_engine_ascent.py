@@ -9,6 +9,7 @@ import pytest
 from engine_world import VEHICLE, M, W, World, X, fixes, leg, mission, when
 
 from mission.engine.ascent import DOWNWARD, Ascent
+from mission.engine.vehicle_state import WRONG_FOR
 from mission.legs import Surface
 from mission.model import (
     IDLE_READY,
@@ -470,6 +471,22 @@ def test_the_way_up_counts_from_the_last_depth_that_was_believed():
     fixes(world, int(14.0 / VEHICLE.ascent_buoyancy) - 1)
     assert world.state == SURFACING
     fixes(world, int((VEHICLE.limits.depth - 14.0) / VEHICLE.ascent_buoyancy) + 10)
+    assert world.state == SURFACED
+
+
+def test_what_it_may_have_sunk_counts_from_the_last_change_of_a_depth_that_stood():
+    """It may have frozen at the surface, and the vehicle gone down since."""
+    world = World(mission(leg("a", timeout=LONG)))
+    world.depth = 0.2
+    world.wait(10.0)
+    world.trembles = 0.0
+    world.wait(90.0)
+    world.nav.doubt["depth"] = "frozen"
+    world.tell(W)
+    least = VEHICLE.limits.descent_rate * (WRONG_FOR + 80.0) / VEHICLE.ascent_buoyancy
+    fixes(world, int(least))
+    assert world.state == SURFACING
+    fixes(world, int(VEHICLE.limits.depth / VEHICLE.ascent_buoyancy - least) + 10)
     assert world.state == SURFACED
 
 
