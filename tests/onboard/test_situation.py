@@ -13,7 +13,7 @@ from links.simulated.link import START, SimulatedVehicle
 from mission.analysis.replay.replay import replay
 from mission.authoring.language import parse, script
 from mission.engine.engine import Engine, Input
-from mission.model import Tx
+from mission.model import Step, Tx
 from mission.model.alarms import ALARMS, alarms_of
 from mission.model.shipped import load_vehicle
 from mission.onboard.configuration import Configuration
@@ -273,6 +273,23 @@ def test_the_status_that_nobody_asked_for_leaves_at_the_surface_as_the_engine_kn
     depths: list[float | None], fixes: range, stuck: bool, told: list[float]
 ) -> None:
     assert told_at(depths, fixes, stuck=stuck) == told
+
+
+@pytest.mark.parametrize(
+    ("entered", "owed"),
+    [("autonomous/a", True), ("emergency/surfacing", True), ("manual/driving", False)],
+)
+def test_what_was_in_a_mission_or_an_emergency_owes_its_status_once(
+    entered: str, owed: bool
+) -> None:
+    """R11: a mission that has ended by itself, too."""
+    engine = Engine(VEHICLE)
+    situation = Situation(engine, VEHICLE, True)
+    situation.note(Step(1.0, "start", (), (), (entered,), ()))
+    for t in (2.0, 4.0):
+        engine.step(t, (Telemetry(t, depth=0.2),))
+        situation.report(Telemetry(t, depth=0.2))
+        assert situation.owes_report(t) is (owed and t == 2.0)
 
 
 def located(gps: bool, *reports: Telemetry, fix: Fix | None = None) -> Situation:
