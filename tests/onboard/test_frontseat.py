@@ -565,10 +565,13 @@ def test_between_the_rows_of_a_lift_relays_leave_and_a_busy_board_hears_the_last
         assert not any(first < t < last for t in others)
 
 
-def test_no_lift_is_said_again_once_somebody_steers(line: Line) -> None:
+@pytest.mark.parametrize("answered", [True, False])
+def test_no_lift_is_said_again_once_somebody_steers(line: Line, answered: bool) -> None:
     line.give(UPWARDS, 0.0)
     line.answer(0.05)
     line.until(0.5)
+    if answered:
+        line.answer(0.5, "U")
     line.relay(b"@MMD5$", 0.6, manual=True)
     line.until(60.0)
     assert line.frames[-1] == b"@MMD5$"

@@ -148,6 +148,16 @@ def test_a_report_without_the_reading_does_not_count() -> None:
     assert closer.closed(Setpoint(depth=3.0), 2.0) == NEUTRAL
 
 
+def test_each_of_two_readings_that_are_held_by_has_to_be_as_young() -> None:
+    closer, wanted = LoopCloser(loop()), Setpoint(depth=3.0, heading=1.0)
+    closer.hold(wanted)
+    closer.report(Telemetry(1.0, depth=2.0, heading=1.0))
+    assert closer.closed(wanted, 1.1) != NEUTRAL
+    for i in range(20):
+        closer.report(Telemetry(1.05 + i / 20, heading=1.0))
+    assert closer.closed(wanted, 2.0) == NEUTRAL
+
+
 def test_a_new_set_begins_with_nothing_of_the_effort_of_an_earlier_one() -> None:
     closer, most = LoopCloser(loop()), loop().depth.most
     assert told(closer, 1.0, 0.0).heave == most
@@ -248,6 +258,12 @@ def test_a_set_that_is_given_up_is_refused_once_and_the_board_told_neutral() -> 
         sent += [tx.data for tx in out]
     assert [o.frame.decode()[:17] for o in results] == ["depth is not held"]
     assert sent[-1] == board.encode(Setpoint())[0]
+    line.command(Action(Setpoint(depth=4.0), "another leg"))
+    while now < 24.0:
+        now = round(now + 0.05, 6)
+        line.report(Telemetry(now, depth=2.0 - 0.2 * now))
+        results += [o for o in line.poll(now)[1] if o.result is Result.REFUSED]
+    assert len(results) == 2, "the next one is, too"
 
 
 # --- over the bytes of a flight ------------------------------------------------------------------

@@ -117,6 +117,16 @@ def test_a_second_that_speaks_seldom_is_compared_as_long_as_it_counts_as_speakin
     assert min(doubted) > 380.0
 
 
+def test_what_the_other_said_long_ago_casts_no_doubt() -> None:
+    """The vehicle has gone elsewhere since."""
+
+    def ended(now: float, made: dict[str, GpsReceiver]) -> None:
+        made[GPS2].silent = now >= 10
+        made[GPS].offset = (400.0, 0.0) if now >= 30 else (0.0, 0.0)
+
+    assert all(fix.accuracy < 20.0 for _, _, fix in counted(ended, 60))
+
+
 def test_two_that_agree_again_are_believed_as_before() -> None:
     def jumped(now: float, made: dict[str, GpsReceiver]) -> None:
         made[GPS].offset = (400.0, 0.0) if 10 <= now < 20 or now >= 30 else (0.0, 0.0)
