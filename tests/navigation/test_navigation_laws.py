@@ -129,6 +129,21 @@ def test_fixes_that_agree_win_against_a_wrong_estimate(vehicle: Vehicle, dive: l
     assert error(nav, shifted[-1][0]) < 10.0
 
 
+def test_wild_fixes_that_agree_lose_as_long_as_true_ones_come_between(
+    vehicle: Vehicle, dive: list[Item]
+) -> None:
+    """As of a second antenna's reflection: not three in a row."""
+    nav = feed(Navigation(vehicle, HOME), dive[:200])
+    frame = LocalFrame(HOME)
+    for truth, item in dive[200:260]:
+        feed(nav, [(truth, item)])
+        if isinstance(item, Fix):
+            n, e = frame.to_local(item.latitude, item.longitude)
+            lat, lon = frame.to_geodetic(n + 300.0, e)
+            nav.fix(replace(item, t=item.t + 0.05, latitude=lat, longitude=lon))
+            assert error(nav, truth) < 10.0
+
+
 def with_fixes_of_before(dive: list[Item], stale: int, jitter: float) -> list[Item]:
     """At each surfacing the receiver first says ``stale`` places of before the dive again, each
     ``jitter`` m beside what it was."""
