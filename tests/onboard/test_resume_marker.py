@@ -126,6 +126,17 @@ def test_no_disk_stands_before_a_stop_or_the_stick(before: str, under_way: str) 
     assert store.asked == [under_way]
 
 
+def test_each_state_of_an_emergency_is_written_however_often_it_changes() -> None:
+    """A heavy vehicle that sinks out of each surface: a restart comes back to where it was."""
+    store = Counting()
+    marker = ResumeMarker(store)
+    for i in range(80):
+        state = "emergency/surfacing" if i % 2 else "emergency/surfaced"
+        marker.follow(state, 2.0 * i)
+        marker.handle_timer(2.0 * i)
+        assert store.content.under_way == state
+
+
 def test_a_later_change_takes_the_place_of_one_that_waits() -> None:
     store = Counting()
     marker = ResumeMarker(store)
