@@ -264,7 +264,7 @@ class VehicleState:
         if depth is None:
             return self._deepest
         unseen = WRONG_FOR + max(begun - min(self._believed_at, self._moved_at), 0.0)
-        return max(depth, min(depth + self._sink * unseen, self._deepest))
+        return min(max(depth, depth + self._sink * unseen), self._deepest)
 
     # --- out ---------------------------------------------------------------------------------
 

@@ -490,6 +490,17 @@ def test_what_it_may_have_sunk_counts_from_the_last_change_of_a_depth_that_stood
     assert world.state == SURFACED
 
 
+def test_the_way_up_is_from_the_vehicles_own_depth_at_most_whatever_was_believed():
+    """As flight 13171 of seed 5919: the first report said 945 m, and the next ones were absurd."""
+    world = surfacing(945.0)
+    world.wait(4.0)
+    world.nav.doubt["depth"] = "absurd"
+    fixes(world, int(VEHICLE.limits.depth / VEHICLE.ascent_buoyancy) - 10)
+    assert world.state == SURFACING
+    fixes(world, 30)
+    assert world.state == SURFACED
+
+
 def test_an_operator_who_says_w_again_and_again_puts_off_no_end_of_an_ascent():
     world = surfacing(None)
     for _ in range(int(VEHICLE.limits.depth / VEHICLE.ascent_buoyancy / 5.0) + 3):
