@@ -176,6 +176,15 @@ def _modem_stick(rng: Random) -> Scene:
 # --- the program ---------------------------------------------------------------------------------
 
 
+def _killed(t: float, back: float) -> tuple[Disturbance, ...]:
+    """The program, which begins anew then; the boat connects again a second later."""
+    return (
+        Disturbance(t, Act.KILL),
+        Disturbance(back, Act.BOOT),
+        Disturbance(back + 1.0, Act.JOIN),
+    )
+
+
 def _restarted(word: bytes) -> Callable[[Random], Scene]:
     """Killed in a mission, or in what the word began, and begun anew."""
 
@@ -183,11 +192,7 @@ def _restarted(word: bytes) -> Callable[[Random], Scene]:
         t = rng.uniform(DOWN, 60.0)
         killed = t + (rng.uniform(2.0, 40.0) if word == X else rng.uniform(2.0, 12.0))
         back = killed + rng.uniform(1.0, 6.0)
-        ends = [
-            Disturbance(killed, Act.KILL),
-            Disturbance(back, Act.BOOT),
-            Disturbance(back + 1.0, Act.JOIN),
-        ]
+        ends = _killed(killed, back)
         return Scene(
             "deep", (heavy(rng, t),) if rng.random() < 0.3 else (), (*_maybe(t, word), *ends)
         )
@@ -204,12 +209,7 @@ def _restarted_frozen(rng: Random) -> Scene:
         fault("deaf_to_u", t - 1.0),
         fault("heavy", t - 1.0, rng.uniform(30.0, 50.0), round(rng.uniform(14.5, 15.5), 1)),
     )
-    ends = (
-        Disturbance(t, Act.KILL),
-        Disturbance(t + 2.0, Act.BOOT),
-        Disturbance(t + 3.0, Act.JOIN),
-    )
-    return Scene("deep", faults, ends)
+    return Scene("deep", faults, _killed(t, t + 2.0))
 
 
 def _maybe(t: float, word: bytes) -> tuple[Disturbance, ...]:
@@ -234,11 +234,7 @@ def _restarted_at_full_scale(rng: Random) -> Scene:
     faults = [fault("depth_full_scale", t, rng.choice((FOREVER, rng.uniform(4.0, 60.0))))]
     if rng.random() < 0.3:
         faults += [heavy(rng, t + rng.uniform(0.0, 40.0))]
-    ends = (
-        Disturbance(t, Act.KILL),
-        Disturbance(t + 2.0, Act.BOOT),
-        Disturbance(t + 3.0, Act.JOIN),
-    )
+    ends = _killed(t, t + 2.0)
     return Scene("deep", tuple(faults), (*said, *ends, say(t + rng.uniform(6.0, 30.0), W)))
 
 

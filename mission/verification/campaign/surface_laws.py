@@ -32,7 +32,7 @@ _NEW = 20.0  # s in which a program that began anew has not heard a place twice
 _DOUBTED = 40.0  # s
 _OVER, _NO_FIXES = 60.0, ("gps", "capsized")  # s, and what hides them
 _REPEATING = ("gps_stuck", "gps2_stuck", "gps_in_turn")
-_LIARS = (*_REPEATING, "gps_wanders", "gps2_wanders")
+_WANDERING = ("gps_wanders", "gps2_wanders")
 _START, _START_FREE, _CLEAR = 1.1, 2.6, 1.1  # m
 _CLEAR_AGAIN = 4.9, 30.5  # s: 5 to 30 (R7), and what a frame takes
 _PROVED = 14  # s: what proves the surface where no depth tells is 10 s old (R7); two reports
@@ -84,7 +84,7 @@ def _is_at_surface(story: Story, stay: Stay) -> Iterator[Violation]:
     fixed = story.deepest(t - 2.0, t) <= _FIXED
     in_vain = lift(story.settings, story.profile, t) < SLIGHT  # pushes contradict a true depth
     unknown = in_vain or not story.told_in(t - 6.0, t) or story.faulty(DEPTH_FAULTS, t - 20.0, t)
-    wanders = story.faulty(("gps_wanders", "gps2_wanders"), t - 20.0, t)
+    wanders = story.faulty(_WANDERING, t - 20.0, t)
     repeats = story.faulty(_REPEATING, t - 20.0, t) and story.hindered(t - _NEW, t)
     if (wanders or repeats) and story.depth(t) < _NEARLY:
         return  # nothing contradicts fixes as at the surface
@@ -147,7 +147,7 @@ def _is_cleared(story: Story, stay: Stay) -> Iterator[Violation]:
     in_vain = story.faulty(("verticals_",), t - _DOUBTED, t)  # pushes contradict a true depth
     unknown = asked and (in_vain or not story.told_in(t - STALE_AFTER, t))  # none is believed (R7)
     under = not asked and min(story.depth(t - i) for i in range(_PROVED + 1)) > _CLEAR
-    told = under and not story.faulty((*_UNDETECTED, *_LIARS), t - _DOUBTED, t)
+    told = under and not story.faulty((*_UNDETECTED, *_REPEATING, *_WANDERING), t - _DOUBTED, t)
     faulty = story.faulty(DEPTH_FAULTS, t - 10.0, t) and not told
     if depth > bound and not unknown and not faulty:
         yield Violation(UNLAWFUL, t, f"cleared {depth:.1f} m deep")
