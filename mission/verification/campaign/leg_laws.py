@@ -13,7 +13,7 @@ What does not live here: when a response is late, and what excuses it (limit_law
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from itertools import groupby
 
 from mission.verification.campaign.depth_laws import DEPTH_FAULTS
@@ -48,27 +48,40 @@ def leg_laws(story: Story) -> Iterator[Violation]:
 
 
 def _no_progress(story: Story, stay: Stay) -> Iterator[Violation]:
-    """By the reports: noise of a depth that stands may seem to be a step nearer."""
+    for since, t, wanted in waits(sets_of(story, stay), story.reports):
+        if t >= stay.end:
+            return
+        if t - since > _STUCK and is_plain(story, since, t, DEPTH_FAULTS):
+            says = f"no nearer to {wanted:g} m for {t - since:.0f} s"
+            yield Violation(UNANSWERED, t, f"{says}, and still in {stay.state}")
+            return
+
+
+def waits(
+    sets: Iterable[tuple[float, float, Setpoint]], reports: Sequence[Report]
+) -> Iterator[tuple[float, float, float]]:
+    """Since when the depth that is asked for came no nearer, at each report, and that depth.
+
+    By the reports: noise of a depth that stands may seem to be a step nearer. A report that brings
+    another set, of a heading, still counts for the set before it.
+    """
     since = nearest = 0.0
     wanted: float | None = None
-    for begin, end, command in sets_of(story, stay):
+    for begin, end, command in sets:
         if command.depth is None:
             wanted = None
             continue
         if command.depth != wanted:
             wanted, since, nearest = command.depth, begin, math.inf
-        for report in story.reports:
-            if not begin < report.t < end:
+        for report in reports:
+            if not begin < report.t <= end:
                 continue
             off = abs(report.depth - wanted)
             if off <= max(nearest - _NEARLY, _OFF):
                 since = report.t
             if off <= max(nearest - _NEARER, _OFF):
                 nearest = off
-            if report.t - since > _STUCK and is_plain(story, since, report.t, DEPTH_FAULTS):
-                says = f"no nearer to {wanted:g} m for {report.t - since:.0f} s"
-                yield Violation(UNANSWERED, report.t, f"{says}, and still in {stay.state}")
-                return
+            yield since, report.t, wanted
 
 
 def _unasked_descent(story: Story, stay: Stay) -> Iterator[Violation]:

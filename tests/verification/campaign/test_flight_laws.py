@@ -16,10 +16,13 @@ from mission.onboard.runtime.operator_server import OperatorServer
 from mission.onboard.runtime.situation import Situation
 from mission.verification.campaign.draw import Plan, stage
 from mission.verification.campaign.faults import fly_plan, result_of
+from mission.verification.campaign.leg_laws import waits
+from mission.verification.campaign.reports import Report
 from mission.verification.campaign.story import Stay
 from mission.verification.campaign.surface_laws import _is_asked_twice
 from mission.verification.rig.acts import MODEM, TOPSIDE
 from mission.verification.rig.trace import Said
+from protocol.messages import Setpoint
 
 pytestmark = pytest.mark.proof  # long: make proofs
 
@@ -115,3 +118,14 @@ def test_a_first_clear_counts_where_and_when_it_may_be_repeated_and_with_no_orde
         stay_at=lambda t: stay,
     )
     assert _is_asked_twice(told, 100.0) is twice  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("steered", [(), (6.0,), (2.0, 4.0, 6.0)])
+def test_a_report_that_turns_the_heading_counts_for_the_depth(steered: tuple[float, ...]) -> None:
+    """As flight 12994 of seed 5919: 4.87 m was half a metre nearer, and turned the vehicle too."""
+    depths = {2.0: 4.21, 4.0: 4.30, 6.0: 4.87, 8.0: 5.30, 10.0: 5.25, 12.0: 5.38}
+    reports = [Report(t, 0.0, 0.0, 0.0, depth, ()) for t, depth in depths.items()]
+    begins = (0.0, *steered)
+    turns = [Setpoint(surge=1.0, heading=0.1 * i, depth=8.0) for i in range(len(begins))]
+    sets = list(zip(begins, (*begins[1:], 100.0), turns, strict=True))
+    assert list(waits(sets, reports))[-1] == (12.0, 12.0, 8.0)
