@@ -102,9 +102,10 @@ def _leads_under_water(core: Core) -> bool:
 
 
 def _may_sink_again(core: Core) -> bool:
-    """Whether an ascent has let it go too short a time ago to tell, by a depth, that it floats.
-    What drives on the ground does not."""
-    floats = core.vehicle_state.depth is not None and not core.vehicle.drives
+    """Whether an ascent has let it go too short a time ago to tell, by a depth or by fixes that
+    would end, that it floats. What drives on the ground does not."""
+    told = core.vehicle_state.depth is not None or core.rest_due() is not None
+    floats = told and not core.vehicle.drives
     return floats and core.active == SURFACED and core.now < core.let_go_at + STAYS_UP
 
 

@@ -75,6 +75,25 @@ def test_nobody_leaves_what_sinks_when_an_ascent_has_let_it_go():
     assert world.commands()[-1] == UPWARD, "it is held up by thrust, and left so"
 
 
+@pytest.mark.parametrize("heavy", [True, False])
+def test_nobody_leaves_what_fixes_alone_have_proved_before_they_say_that_it_floats(heavy: bool):
+    world = flying_at(5.0)
+    world.depth = None
+    world.tell(Ending())
+    second = 0
+    while world.state == SURFACING and second < 400:
+        world.wait(1.0)
+        world.tell(world.fix(0.5 * second))  # a new place each second
+        second += 1
+    assert (world.state, world.engine.settled) == (SURFACED, False)
+    for later in range(31):
+        world.wait(1.0)
+        if not heavy:
+            world.tell(world.fix(0.5 * (second + later)))
+    expected = (SURFACING, False) if heavy else (SURFACED, True)
+    assert (world.state, world.engine.settled) == expected
+
+
 def test_an_end_at_a_proved_surface_stops_and_turns_nothing():
     world = flying_at(0.2, AFLOAT)
     before = len(world.actions)

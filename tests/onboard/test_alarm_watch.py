@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import json
 import os
+import threading
 import time
 from datetime import UTC, datetime
 from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
-from served import running, silent_board, simulated, soon
+from served import PATIENCE, running, silent_board, simulated, soon
 
 from mission.commands import operator
 from mission.onboard.serve import alarm_watch, health
@@ -44,6 +45,24 @@ def test_a_vehicle_whose_cable_is_out_is_told_in_journal_health_and_status(tmp_p
             assert status == operator.ALARM
             assert text.startswith("ALARM emergency: emergency/stopped")
     assert told(pi.url)[0] == 1
+
+
+def test_an_alarm_waits_for_no_disk(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    hangs, goes_on = threading.Event(), threading.Event()
+
+    def hang(folder: Path, how: health.Health) -> None:
+        hangs.set()
+        assert goes_on.wait(PATIENCE)
+
+    with silent_board() as (_, board), running(tmp_path, f"serial://{board}") as pi:
+        monkeypatch.setattr(health, "write", hang)
+        try:
+            assert hangs.wait(PATIENCE)
+            with pi.boat() as boat:
+                boat.sendall(b"@ZAX0$")
+                soon(lambda: pi.has_told("ALARM emergency: emergency/stopped"), "the emergency")
+        finally:
+            goes_on.set()
 
 
 def test_what_serve_alone_sees_reaches_the_boat_and_its_end_the_journal(

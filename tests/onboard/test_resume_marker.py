@@ -115,14 +115,18 @@ def test_no_disk_stands_before_a_stop_or_the_stick(before: str, under_way: str) 
     store = Counting(before)
     marker = ResumeMarker(store)
     marker.follow(under_way, 7.0)
+    due = 7.0 + AGAIN_S * (before == LEG and under_way == "emergency/surfacing")  # it would surface
     assert store.asked == []
-    assert marker.next_timer() == 7.0
-    marker.handle_timer(6.999)
+    assert marker.next_timer() == due
+    marker.handle_timer(due - 0.001)
     assert store.asked == []
-    marker.handle_timer(7.0)
+    marker.handle_timer(due, due - 0.2)  # the line has a word
+    marker.handle_timer(due, due)
+    assert store.asked == []
+    marker.handle_timer(due, due + 0.5)
     assert store.asked == [under_way]
     assert marker.next_timer() is None
-    marker.handle_timer(8.0)
+    marker.handle_timer(due + 1.0)
     assert store.asked == [under_way]
 
 
@@ -203,6 +207,6 @@ def test_what_an_earlier_program_left_is_lifted_when_nothing_is_under_way() -> N
     store = Counting(LEG)
     marker = ResumeMarker(store)
     marker.follow("emergency/surfacing", 1.0)
-    marker.handle_timer(1.0)
-    marker.follow("", 2.0)
+    marker.handle_timer(1.0 + AGAIN_S)
+    marker.follow("", 2.0 + AGAIN_S)
     assert store.asked == ["emergency/surfacing", ""]

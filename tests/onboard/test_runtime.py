@@ -15,6 +15,7 @@ from links.base import Rx
 from links.simulated.link import START, SimulatedVehicle
 from mission.analysis.replay.replay import replay
 from mission.authoring.language import parse, script
+from mission.engine.restart import STICK, UNANSWERED, UNSEEN
 from mission.model import STOPPED, SURFACED, SURFACING, Chart, Tx
 from mission.model.shipped import load_vehicle
 from mission.model.vehicle import Vehicle
@@ -32,6 +33,7 @@ from mission.onboard.runtime.records import (
     read_texts,
 )
 from mission.onboard.runtime.runtime import CLOCK, Runtime
+from mission.onboard.serve.preload import prepare
 from mission.onboard.store import MemoryStore, Stored, StoreError
 from protocol.messages import MissionLine, SetSafety
 from protocol.modem import Sender, wrap
@@ -223,6 +225,53 @@ def test_a_restart_under_way_surfaces_at_once(during: str) -> None:
     assert boat.to_vehicle() == [b"@ZAX0$", b"@ZAU12$"]
 
 
+class Slow(MemoryStore):
+    """Of each write of what is under way: the words that had left before it."""
+
+    def __init__(self, content: Stored, said: list[bytes]) -> None:
+        super().__init__(content)
+        self._said, self.before = said, list[list[bytes]]()
+
+    def keep_under_way(self, what: str) -> None:
+        self.before.append(list(self._said))
+        super().keep_under_way(what)
+
+
+@pytest.mark.parametrize("during", ["autonomous/a", "emergency/stopped", STICK, UNANSWERED])
+def test_no_disk_stands_before_the_first_word_of_a_restart(during: str) -> None:
+    said: list[bytes] = []
+    store = Slow(Stored(under_way=during), said)
+    runtime = Runtime(Configuration(), VEHICLE, store)
+    now = 0.0
+    while now < 8.0:
+        said += [tx.data for tx in runtime.handle_timer(now)]
+        now = max(now, runtime.next_timer() or 9.0)
+    assert all(b"@ZAX0$" in before for before in store.before)
+    if during == "autonomous/a":  # a way up as well, that a disk which hangs would hold up
+        assert b"@ZAU12$" in store.before[0]
+
+
+@pytest.mark.parametrize("during", [STICK, UNANSWERED, UNSEEN])
+def test_a_stop_of_a_restart_waits_for_no_judge_of_the_stored_mission(
+    during: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    judged: list[tuple[str, ...]] = []
+
+    def watched(lines: tuple[str, ...], vehicle: Vehicle) -> Chart:
+        judged.append(lines)
+        return judge(lines, vehicle)
+
+    monkeypatch.setattr("mission.onboard.runtime.mission_validator.judge", watched)
+    boat = Boat(MemoryStore(Stored(LINES, under_way=during)), navigation=False)
+    boat.until(2.0)
+    assert b"@ZAX0$" in boat.to_vehicle()
+    assert (judged, boat.runtime.state) == ([], "idle/empty")
+    navigation = prepare(boat.runtime)  # beside the loop
+    assert judged == [LINES]
+    boat.runtime.set_navigation(navigation, boat.now)
+    assert (judged, boat.runtime.state) == ([LINES], "idle/ready")
+
+
 @pytest.mark.parametrize("during", ["emergency/stopped", "emergency/surfaced"])
 def test_a_restart_in_the_end_of_an_emergency_turns_nothing(during: str) -> None:
     boat = Boat(MemoryStore(Stored(LINES, under_way=during)), navigation=False)
@@ -265,7 +314,9 @@ def test_the_way_up_does_not_wait_for_the_judge_of_the_stored_mission(
         return judge(lines, vehicle)
 
     monkeypatch.setattr("mission.onboard.runtime.mission_validator.judge", watched)
-    boat = Boat(MemoryStore(Stored(LINES, under_way="autonomous/a")))
+    boat = Boat(MemoryStore(Stored(LINES, under_way="autonomous/a")), navigation=False)
+    boat.until(1.0)
+    boat.runtime.set_navigation(prepare(boat.runtime), boat.now)
     boat.until(30.0)
     assert boat.to_vehicle()[:2] == [b"@ZAX0$", b"@ZAU12$"]
     assert judged == []

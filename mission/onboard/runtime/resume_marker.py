@@ -13,6 +13,7 @@ What does not live here: files (store), what a restart does (engine).
 from __future__ import annotations
 
 from mission.engine.restart import STICK, UNANSWERED, UNSEEN
+from mission.model import AUTONOMOUS, SURFACING
 from mission.model.regions import EMERGENCY, MANUAL
 from mission.onboard.store import Store, StoreError
 
@@ -32,8 +33,9 @@ class ResumeMarker:
     def next_timer(self) -> float | None:
         return self._due
 
-    def handle_timer(self, now: float) -> None:
-        if self._due is None or now < self._due:
+    def handle_timer(self, now: float, line_due: float | None = None) -> None:
+        """``line_due``: when the line to the vehicle has a word; no disk stands before that."""
+        if self._due is None or now < self._due or (line_due is not None and line_due <= now):
             return
         if self._kept != self._is and self._may_name(now):
             self._book(self._is, now)
@@ -49,8 +51,10 @@ class ResumeMarker:
         if _region(under_way) == _region(self._kept) and not ended:
             self._follow_leg(now)
             return
-        self._kept = under_way
-        if _region(under_way) in (EMERGENCY, MANUAL) or under_way in (STICK, UNANSWERED):
+        flew, self._kept = _region(self._kept) == AUTONOMOUS, under_way
+        if flew and under_way == SURFACING:  # a restart surfaces by either
+            self._due = now + AGAIN_S
+        elif _region(under_way) in (EMERGENCY, MANUAL) or under_way in (STICK, UNANSWERED):
             self._due = now
         else:
             self._keep(now)

@@ -162,7 +162,7 @@ class Runtime:
     def handle_timer(self, now: float) -> list[Tx]:
         self._now = now = max(self._now, now)
         self._record(rec.input_record, now, rec.TIMER)
-        self._marker.handle_timer(now)
+        self._marker.handle_timer(now, self._frontseat.next_timer())
         if _is_due(self._codec.next_timer(), now):
             self._from_vehicle(self._codec.flush(now), now)
         for link, heard in self._gps.flush(now):
@@ -225,8 +225,7 @@ class Runtime:
     # --- in -----------------------------------------------------------------------------------
 
     def _begin(self) -> None:
-        """What the store knows, and a restart under way (design: A restart). The way up does not
-        wait for the judge of the stored mission: nobody can start it before idle."""
+        """What the store knows. A restart under way waits for no judge of the stored mission."""
         kept = self._store.content
         self.unjudged = kept.lines
         if not kept.under_way:
@@ -287,7 +286,8 @@ class Runtime:
     # --- out ----------------------------------------------------------------------------------
 
     def _leave(self, now: float) -> list[Tx]:
-        if self.unjudged and self.state.startswith("idle"):
+        navigation = self._engine.core.vehicle_state.navigation
+        if navigation and self.unjudged and self.state.startswith("idle"):
             self._judge_kept(now)
         for _ in range(MOST_ROUNDS):
             sent, outcomes = self._frontseat.poll(now)

@@ -188,7 +188,7 @@ class Monitor:
             viewer.wish, viewer.greeted = _wish(said["wish"]), True
             viewer.before = self.past.rows[::-1] if viewer.wish.past == BEFORE else ()
             viewer.since = now
-        except (ValueError, TypeError, KeyError, RecursionError) as error:
+        except (ValueError, TypeError, KeyError, OverflowError, RecursionError) as error:
             raise Unwelcome("it said what no viewer says") from error
 
     def silent(self, now: float) -> list[str]:

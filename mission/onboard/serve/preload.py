@@ -7,9 +7,11 @@ that answers it. So they are taken out of its sight.
 
 from __future__ import annotations
 
+import contextlib
 import gc
 from typing import TYPE_CHECKING
 
+from mission.onboard.runtime.command_target import MissionRefused
 from mission.onboard.runtime.runtime import Runtime
 from mission.onboard.uncollected import uncollected
 
@@ -24,6 +26,10 @@ def prepare(runtime: Runtime) -> Navigation:
         import mission.authoring.language.lines  # noqa: F401
 
         navigation = runtime.make_navigation()
+        if runtime.state.startswith("idle") and (lines := runtime.unjudged):
+            # its verdict is then ready, and keeps no operator waiting; no ascent waits for it
+            with contextlib.suppress(MissionRefused):
+                runtime.judge(lines)
         if not gc.get_freeze_count():  # a further runtime: its predecessor may be garbage by now
             gc.freeze()
         return navigation

@@ -78,11 +78,16 @@ class Recording:
     async def keep_status(self, folder: Path, look: Callable[[], health.Health | None]) -> None:
         """Runs until it is cancelled."""
         loop = asyncio.get_running_loop()
+        writing: asyncio.Future[None] | None = None
         while True:
-            if (how := look()) is not None:
-                await loop.run_in_executor(self._disk, health.write, folder, how)
-                self.free = await loop.run_in_executor(self._disk, _free, folder)
+            how = look()  # by it alarms are told, however slow the disk
+            if how is not None and (writing is None or writing.done()):
+                writing = loop.run_in_executor(self._disk, self._put, folder, how)
             await asyncio.sleep(health.EVERY_S)
+
+    def _put(self, folder: Path, how: health.Health) -> None:
+        health.write(folder, how)
+        self.free = _free(folder)
 
     async def keep_working(self, got: Provision, heard: Callable[[], bool]) -> None:
         """The configuration, once it has worked; runs until then."""

@@ -144,10 +144,16 @@ def test_a_board_that_obeys_x_alone_is_let_dive_only_at_rest_and_while_no_depth_
         ("depth_full_scale@10+20", False),
         ("depth_full_scale@10+200", True),
         ("depth_frozen@10+20", True),
+        ("depth_too_deep@10+20=0.5", False),
+        ("depth_too_deep@10+180=0.5", True),
+        ("depth_too_deep@10+20=0.9", True),
+        ("depth_too_shallow@10+20=0.5", False),
         ("altitude_frozen@10+20", False),
     ],
 )
-def test_a_depth_that_said_garbage_is_known_again_a_minute_later(fault, doubted):
+def test_a_depth_that_said_garbage_or_was_slightly_off_is_known_again_a_minute_later(
+    fault, doubted
+):
     assert doubted_at_rest(parse_settings([f"fault={fault}"]), 200.0) is doubted
 
 
