@@ -144,10 +144,6 @@ def test_a_board_that_obeys_x_alone_is_let_dive_only_at_rest_and_while_no_depth_
         ("depth_full_scale@10+20", False),
         ("depth_full_scale@10+200", True),
         ("depth_frozen@10+20", True),
-        ("depth_too_deep@10+20=0.5", False),
-        ("depth_too_deep@10+180=0.5", True),
-        ("depth_too_deep@10+20=0.9", True),
-        ("depth_too_shallow@10+20=0.5", False),
         ("altitude_frozen@10+20", False),
     ],
 )
