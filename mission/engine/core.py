@@ -280,10 +280,12 @@ class Core(Flying):
         return due, ended
 
     def rest_due(self) -> float | None:
-        """When the end of the fixes is to be looked for, if nothing is heard any more."""
+        """When the end of the fixes, or in idle of the depth (a restart asks for that), is to be
+        looked for, if nothing is heard any more."""
         due, told = self._fixes_end[0], self.vehicle_state.telemetry
-        if due < math.inf and told is not None and self.vehicle_state.depth is not None:
-            return max(due, told.t + self.vehicle.stale_after + _LATER)
+        if told is not None and self.vehicle_state.depth is not None:
+            lost = told.t + self.vehicle.stale_after + _LATER
+            due = lost if self.region == IDLE else max(due, lost)
         return due if due < math.inf else None
 
     def take_stick(self) -> None:

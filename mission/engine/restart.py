@@ -6,11 +6,13 @@
                                  thruster on whether it is frozen
     stopped, surfaced        --> the same again, everything stopped: the vehicle may be on deck
                                  (what was surfaced was up: deeper now, it has sunk meanwhile)
-    the stick alone, a stop that nothing has acknowledged, or a rest that began without a depth to
-    believe                  --> stopped, idle; and up by the first depth that says it is deep, and
+    the stick alone, a stop that nothing has acknowledged, or a rest in which it has sunk while AUTO
+    was closed, or may have while no depth was believed
+                             --> stopped, idle; and up by the first depth that says it is deep, and
                                  stays so: nobody may be there whose silence could be counted
-    nothing                  --> idle; X0 where reports show a thruster on all the same, since a
-                                 program may have ended between a word and the record of it
+    nothing                  --> idle, also where it has sunk meanwhile: it may be on deck; X0 where
+                                 reports show a thruster on all the same, since a program may have
+                                 ended between a word and the record of it
     the store cannot tell    --> stopped, and up as soon as two reports in a row say a depth to
                                  believe beyond 2 m, and AUTO is open: on deck no thruster
                                  turns, under water it rises
@@ -27,8 +29,9 @@ from mission.model.regions import EMERGENCY, IDLE, MANUAL
 
 STICK = "the stick, without a mission"  # under way in manual: a restart stops, and is idle
 UNANSWERED = "a stop without its acknowledgement"  # in idle: thrusters may still turn
-UNSEEN = "rest that began without a depth to believe"  # it may have sunk, and lie on the bottom
-STOPS = (STICK, UNANSWERED, UNSEEN)  # under which a restart stops, and is idle
+UNSEEN = "rest in which it may have sunk"  # unseen; or seen, while AUTO was closed
+_UNSEEN_BEFORE = "rest that began without a depth to believe"  # in the store of an older program
+STOPS = (STICK, UNANSWERED, UNSEEN, _UNSEEN_BEFORE)  # under which a restart stops, and is idle
 REPORTS = 2
 UNWATCHED = 6.0  # s; with the surface's own 6 s a frozen depth shows
 
@@ -43,8 +46,17 @@ def under_way(core: Core) -> str:
         return STICK
     if core.stop_at is not None:
         return UNANSWERED
-    dark = core.moved_blind and (not core.rested or core.rest.is_dark)
-    return UNSEEN if dark or (core.rested and core.rest.unseen) else ""
+    return UNSEEN if _may_have_sunk(core) else ""
+
+
+def _may_have_sunk(core: Core) -> bool:
+    """At rest, and nobody brings it up: no depth was believed when it came to rest, or none is any
+    more; or AUTO is closed, which a restart opens."""
+    rest, lost = core.rest, core.vehicle_state.depth is None
+    if not core.rested:  # no report has come since it came to rest
+        return core.moved_blind or lost
+    blind = core.moved_blind if rest.is_dark else lost
+    return blind or rest.unseen or bool(rest.sinks or rest.goes_down)
 
 
 def begin_again(core: Core, before: Restarted) -> None:

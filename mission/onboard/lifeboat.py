@@ -37,7 +37,7 @@ SHALLOW_M, SHALLOW_S = 0.5, 6.0
 STALE_S = 6.0
 REPORT, DEPTH_AT = 86, 19  # of an @SD
 AT_REST = (
-    *("emergency/stopped", "emergency/surfaced", "the stick", "a stop without", "rest that began"),
+    *("emergency/stopped", "emergency/surfaced", "the stick", "a stop without", "rest "),
     "something that the store",
 )
 _BUFFER = 4096

@@ -651,6 +651,120 @@ def test_a_program_that_began_at_rest_without_a_depth_leaves_nothing_under_way(s
     assert world.engine.under_way == ""
 
 
+def let_go_in_idle(how: str) -> World:
+    """By the program's begin, a clear, a stick that was forgotten, a mission's end, or AUTO, the
+    last without a report behind it."""
+    if how == "ended":
+        world = World(mission(leg("up", kind=Surface(), settings=(), timeout=600.0)))
+        assert world.start()
+        world.wait(12.0)
+    elif how == "AUTO":
+        world = World(MISSION)
+        assert world.start()
+        world.wait(3.0)
+        world.tell(AutoNode(False))
+    else:
+        world = at_rest({"cleared": SURFACED, "forgotten": MANUAL_WAITING}.get(how, IDLE_READY))
+        if how == "cleared":
+            world.tell(ClearMission())
+        elif how == "forgotten":
+            world.wait(62.0)
+    assert world.state in (IDLE_EMPTY, IDLE_READY)
+    return world
+
+
+HOW = ("begun", "cleared", "forgotten", "ended", "AUTO")
+UNSEEN_BEFORE = "rest that began without a depth to believe"  # in the store of an older program
+
+
+def again_at(depth: float, kept: str) -> World:
+    world = World(MISSION)
+    world.depth = depth
+    world.tell(Restarted(kept))
+    world.wait(30.0)
+    return world
+
+
+@pytest.mark.parametrize("how", HOW)
+def test_what_has_sunk_in_idle_while_auto_is_closed_is_brought_up_behind_a_restart(how: str):
+    """A restart opens AUTO, and on the bottom it does not sink any more."""
+    world = let_go_in_idle(how)
+    world.tell(AutoNode(False))
+    assert world.engine.under_way == ""
+    sink(world, 0.3, 8.0)
+    world.wait(20.0)
+    assert world.engine.under_way == UNSEEN
+    assert again_at(8.0, world.engine.under_way).state == SURFACING
+
+
+@pytest.mark.parametrize("reports", [True, False])
+@pytest.mark.parametrize("how", HOW)
+def test_what_may_have_sunk_in_idle_since_its_depth_was_lost_is_brought_up_behind_a_restart(
+    how: str, reports: bool
+):
+    """Where nothing is heard any more either: that is looked for by itself."""
+    world = let_go_in_idle(how)
+    if reports:
+        world.nav.doubt["depth"] = "absurd"
+    world.wait(8.0, reports=reports)
+    assert world.engine.under_way == UNSEEN
+    assert again_at(8.0, world.engine.under_way).state == SURFACING
+    world.nav.doubt.clear()
+    world.wait(4.0)
+    assert world.engine.under_way == "", "it is seen again"
+
+
+def test_what_goes_down_by_a_depth_that_is_off_while_auto_is_closed_is_kept_for_a_restart():
+    """No depth was ever believed, and what moves says that it sinks."""
+    world = World(MISSION)
+    world.nav.doubt["depth"], world.nav.moves = "clogged", True
+    world.wait(4.0)
+    world.tell(AutoNode(False))
+    assert world.engine.under_way == ""
+    sink(world, 0.3, 8.0)
+    assert world.engine.under_way == UNSEEN
+    assert again_at(8.0, world.engine.under_way).state == SURFACING
+
+
+@pytest.mark.parametrize("kept", [UNSEEN, UNSEEN_BEFORE])
+def test_a_rest_in_which_it_may_have_sunk_turns_no_thruster_at_the_surface(kept: str):
+    """On deck, say, where its board was without power; as an older program kept it, too."""
+    world = again_at(0.2, kept)
+    assert (world.state, set(world.commands())) == (IDLE_READY, {Order.STOP})
+    assert world.engine.under_way == ""
+    assert again_at(8.0, kept).state == SURFACING
+
+
+def test_what_was_at_rest_and_seen_there_stays_where_it_is_behind_a_restart():
+    """Deep in the first report, it may be on deck, its sensor wrong: nobody saw it sink."""
+    world = again_at(3.0, at_rest(IDLE_READY).engine.under_way)
+    assert world.state == IDLE_READY
+    assert not {UPWARD, Order.SURFACE} & set(world.commands())
+
+
+@pytest.mark.parametrize("held", [True, False])
+@pytest.mark.parametrize("closed", [30.0, 70.0])
+def test_what_its_fixes_alone_see_sink_while_auto_is_closed_counts_for_a_minute(
+    closed: float, held: bool
+):
+    """Opened later, it may have been carried under a roof, and hands may be near it; a depth that
+    is believed brings it up at any time."""
+    world = held_up() if held else at_rest(SURFACED)
+    world.nav.doubt["depth"] = "absurd"
+    told_fixes(world, 3)
+    world.tell(AutoNode(False))
+    told_fixes(world, 8, 3)
+    world.wait(closed - 8.0)
+    assert world.state == SURFACED
+    world.tell(AutoNode(True))
+    world.wait(20.0)
+    assert world.state == (SURFACING if closed < 60.0 else SURFACED)
+    world.nav.doubt.clear()
+    world.depth = 8.0
+    world.wait(20.0)
+    assert world.state == SURFACING
+
+
 @pytest.mark.parametrize("way", [Order.SURFACE, UPWARD])
 def test_it_is_held_up_by_full_thrust_and_not_by_a_w_that_may_not_last(way):
     world = held_up()

@@ -19,6 +19,7 @@ from served import running, silent_board, simulated, soon
 from links.serial import SerialLink
 from mission.commands.doctor import doctor
 from mission.commands.operator import status
+from mission.engine.restart import UNSEEN
 from mission.model.shipped import load_vehicle
 from mission.onboard.configuration import Configuration, LinkUrls
 from mission.onboard.doctor import doctor as rows
@@ -187,6 +188,9 @@ def test_what_was_under_way_and_what_is_damaged_are_told(tmp_path: Path) -> None
     says = [one.says for one in judged(tmp_path, "_store")]
     assert any("damaged" in text for text in says)
     assert any("autonomous/out was under way" in text for text in says)
+    store.keep_under_way(UNSEEN)
+    (todo,) = [one.todo for one in judged(tmp_path, "_store") if UNSEEN in one.says]
+    assert "serve will stop the vehicle" in todo
 
 
 def test_an_open_topside_is_a_warning_and_missing_keys_a_fault(tmp_path: Path) -> None:

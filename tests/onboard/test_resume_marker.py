@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from mission.engine.restart import STICK, UNANSWERED
+from mission.engine.restart import STICK, UNANSWERED, UNSEEN
 from mission.onboard.runtime.resume_marker import AGAIN_S, EVERY_S, UNNAMED, ResumeMarker
 from mission.onboard.store import MemoryStore, Stored
 
@@ -139,6 +139,24 @@ def test_each_state_of_an_emergency_is_written_however_often_it_changes() -> Non
         marker.follow(state, 2.0 * i)
         marker.handle_timer(2.0 * i)
         assert store.content.under_way == state
+
+
+def test_that_it_may_have_sunk_is_written_at_once_and_that_it_was_seen_again_seldom() -> None:
+    """A depth may come and go each second, for days: an SD card does not bear that."""
+    store = Counting()
+    marker = ResumeMarker(store)
+    for i in range(1000):
+        marker.follow("" if i % 2 else UNSEEN, float(i))
+        marker.handle_timer(float(i))
+        assert i % 2 or store.content.under_way == UNSEEN
+    assert len(store.asked) <= 3 * (32 + 1000.0 / EVERY_S)
+    assert set(store.asked) == {UNSEEN, ""}
+    while (due := marker.next_timer()) is not None:
+        marker.handle_timer(due)
+    assert store.content.under_way == ""
+    marker.follow(UNSEEN, due := 1e6)
+    marker.follow(LEG, due + 1.0)
+    assert store.content.under_way == LEG
 
 
 def test_a_later_change_takes_the_place_of_one_that_waits() -> None:

@@ -23,6 +23,7 @@ from links import parse_address
 from links.base import LinkError
 from mission import __version__
 from mission.engine.bounds import in_force
+from mission.engine.restart import STOPS
 from mission.model.compiled import build
 from mission.model.vehicle import Vehicle
 from mission.onboard.configuration import Configuration
@@ -145,7 +146,9 @@ def _store(context: CheckContext) -> Iterator[Finding]:
         yield warning(
             "store",
             f"{content.under_way} was under way when serve ended",
-            "serve will stop the vehicle when it starts; `auvmission clear` ends that"
+            "serve will stop the vehicle when it starts, and bring it up if it stays deep"
+            if content.under_way in STOPS
+            else "serve will stop the vehicle when it starts; `auvmission clear` ends that"
             if context.vehicle.drives
             else "serve will surface the vehicle when it starts; `auvmission clear` "
             "at the surface ends that",

@@ -5,6 +5,8 @@
                  timer that follows at once: no disk stands before a STOP or an M
     a leg        by that timer, too, 30 of them in a row and then one every ``EVERY_S``: an SD card
                  does not bear one a second. Meanwhile no leg is named, rather than the wrong one
+    a rest       in which it may have sunk at once; that it was seen again as a leg, for a depth may
+                 come and go each second
     a failure    never stops the vehicle; it is tried again until the disk takes it
 
 What does not live here: files (store), what a restart does (engine).
@@ -47,6 +49,9 @@ class ResumeMarker:
         if under_way == self._is:
             return
         self._is = under_way
+        if self._kept == UNSEEN and under_way in ("", UNSEEN):
+            self._follow_sight(now)
+            return
         ended = _region(under_way) == EMERGENCY
         if _region(under_way) == _region(self._kept) and not ended:
             self._follow_leg(now)
@@ -77,6 +82,15 @@ class ResumeMarker:
             self._book(self._is, now)
         elif not self._kept.endswith(UNNAMED):
             self._book(f"{_region(self._is)}/{UNNAMED}", now)
+
+    def _follow_sight(self, now: float) -> None:
+        """Keeps that it was seen again; until that may be written it may have sunk."""
+        if self._is == self._kept:
+            return
+        if self._may_name(now):
+            self._book(self._is, now)
+        else:
+            self._due = self._booked - AHEAD_S
 
     def _may_name(self, now: float) -> bool:
         return now >= self._booked - AHEAD_S

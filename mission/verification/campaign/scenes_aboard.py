@@ -238,6 +238,14 @@ def _restarted_at_full_scale(rng: Random) -> Scene:
     return Scene("deep", tuple(faults), (*said, *ends, say(t + rng.uniform(6.0, 30.0), W)))
 
 
+def _restarted_with_auto_closed(rng: Random) -> Scene:
+    """Cleared at the surface, AUTO closed, and heavy: on the ground by the time it is killed."""
+    said = (say(DOWN, W), say(100.0, AC), say(108.0, AC), say(112.0, AUTO_CLOSED))
+    t = rng.uniform(290.0, 310.0)
+    weight = heavy(rng, rng.uniform(114.0, 120.0))
+    return Scene("there", (weight,), (*said, *_killed(t, t + rng.uniform(1.0, 6.0))))
+
+
 def _held_and_then(rng: Random) -> Scene:
     """Held up at the surface, or floating again by then; and an operator does something else."""
     lasts = FOREVER if rng.random() < 0.5 else rng.uniform(30.0, 50.0)
@@ -309,6 +317,9 @@ ABOARD: Mapping[str, SceneRow] = {
     "restarted_after_x": SceneRow("killed when it was stopped", _restarted(X)),
     "restarted_frozen": SceneRow("killed, and its depth stands", _restarted_frozen),
     "restarted_at_full_scale": SceneRow("its depth at full scale", _restarted_at_full_scale),
+    "restarted_with_auto_closed": SceneRow(
+        "killed where it has sunk in idle, AUTO closed", _restarted_with_auto_closed
+    ),
     "held_and_then": SceneRow("held up at the surface, and an operator acts", _held_and_then),
     "started_from_stick": SceneRow("a start out of a dive by the stick", _started_from_stick),
     "stick_out_of_time": SceneRow("the mission's time ends after the stick", _stick_out_of_time),

@@ -58,7 +58,7 @@ _SINKING = (
     *("sinks_in_a_hold", "sinks_adrift", "weak_thrusters"),
     *("capsized", "capsized_and_heavy", "capsized_blind", "blind", "surfacing_blind"),
     *("shallow_depth", "cleared_below", "started_below", "restarted_frozen"),
-    *("held_and_then", "started_from_stick"),
+    *("held_and_then", "restarted_with_auto_closed", "started_from_stick"),
 )
 _ON_ALL: Mapping[str, tuple[str, ...]] = {
     _WORDS: (

@@ -91,6 +91,17 @@ def test_a_surface_that_nobody_is_told_of_is_seen(monkeypatch: pytest.MonkeyPatc
     assert judged(plan) == ["unlawful: at the surface, and nobody was told"]
 
 
+@pytest.mark.replaces
+def test_what_has_sunk_in_idle_with_auto_closed_is_lost_where_a_restart_forgets_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """R7, at rest, and R13: a restart opens AUTO, and on the ground it does not sink any more."""
+    plan = stage("restarted_with_auto_closed", 1)
+    assert judged(plan) == []
+    monkeypatch.setattr(engine, "under_way", lambda core: "")
+    assert judged(plan) == ["lost: 29.8 m deep at the end, in idle/empty"]
+
+
 CLEAR, X = b"@AC$", b"@ZAX0$"
 
 
