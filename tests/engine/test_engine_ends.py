@@ -295,6 +295,48 @@ def test_nobody_leaves_what_the_stick_has_let_go_deep_while_auto_is_closed(waits
     assert (world.state, world.engine.settled) == ("manual/waiting", True)
 
 
+@pytest.mark.parametrize("silent", [4.0, 8.0, 60.0])
+@pytest.mark.parametrize("led", [True, False])
+def test_nobody_leaves_what_was_deep_in_the_last_report_that_came(led: bool, silent: float):
+    """Its cable is pulled as the program is told to end: with the stick it comes up once that is
+    silent, stopped it is waited for."""
+    world = World()
+    world.tell(world.report(), M if led else X)
+    for _ in range(20):
+        world.depth = 10.0
+        world.tell(*[M] * led)
+        world.wait(1.0)
+    for _ in range(int(silent)):
+        world.tell(*[M] * led)
+        world.wait(1.0, reports=False)
+    world.tell(Ending())
+    assert (world.state, world.engine.settled) == (MANUAL_DRIVING if led else STOPPED, False)
+    world.wait(3.0, reports=False)
+    assert world.state == (SURFACING if led else STOPPED)
+    assert world.engine.settled is False
+    if not led:
+        world.depth = 0.2
+        world.wait(2.0)
+        assert world.engine.settled
+
+
+def test_a_depth_that_reports_say_and_nobody_believes_keeps_no_program_with_the_stick():
+    """An unknown depth turns no thruster: it may be on deck."""
+    world = World()
+    world.tell(world.report(), M)
+    world.depth = 10.0
+    world.tell(M)
+    world.wait(1.0)
+    world.nav.doubt["depth"] = "absurd"
+    world.tell(M)
+    world.wait(1.0)
+    world.tell(Ending())
+    world.wait(4.0)
+    assert world.state == "manual/waiting"
+    assert set(world.commands()) == {STOP}
+    assert world.engine.settled
+
+
 @pytest.mark.parametrize("late", [False, True])
 def test_a_stop_from_before_an_m_that_counts_is_neither_said_again_nor_taken_for_the_ends_own(
     late: bool,

@@ -11,17 +11,18 @@ import pytest
 from mission.engine import engine
 from mission.engine.core import Core
 from mission.engine.restart import begin_again
-from mission.model import STOPPED, SURFACED, SURFACING, Restarted
+from mission.model import STOPPED, SURFACED, SURFACING, Restarted, Step
 from mission.onboard.runtime.operator_server import OperatorServer
 from mission.onboard.runtime.situation import Situation
-from mission.verification.campaign.draw import Plan, stage
+from mission.verification.campaign.draw import Drawn, Plan, stage
 from mission.verification.campaign.faults import fly_plan, result_of
 from mission.verification.campaign.leg_laws import waits
 from mission.verification.campaign.reports import Report
+from mission.verification.campaign.scene import DOWN, X, repeated, say
 from mission.verification.campaign.story import Stay
 from mission.verification.campaign.surface_laws import _is_asked_twice
-from mission.verification.rig.acts import MODEM, TOPSIDE
-from mission.verification.rig.trace import Said
+from mission.verification.rig.acts import MODEM, TOPSIDE, Act, Disturbance
+from mission.verification.rig.trace import Done, Said
 from protocol.messages import Setpoint
 
 pytestmark = pytest.mark.proof  # long: make proofs
@@ -102,7 +103,30 @@ def test_what_has_sunk_in_idle_with_auto_closed_is_lost_where_a_restart_forgets_
     assert judged(plan) == ["lost: 29.8 m deep at the end, in idle/empty"]
 
 
-CLEAR, X = b"@AC$", b"@ZAX0$"
+@pytest.mark.parametrize("silent", [3.0, 7.0])
+def test_a_program_that_ends_while_its_cable_is_out_brings_up_what_the_stick_has(
+    silent: float,
+) -> None:
+    """Told to end so many seconds behind the last report, which was deep."""
+    plan, out = stage("heavy_when_idle", 0), 60.0
+    weight = [replace(f, begin=out) for f in plan.settings.faults if f.name == "heavy"]
+    said = (
+        say(DOWN, X),
+        *repeated(DOWN + 3.0, out + 10.0, 0.5, b"@MMD2$"),
+        Disturbance(out, Act.UNPLUG),
+        Disturbance(out + silent, Act.END),
+        Disturbance(out + 8.2, Act.PLUG),
+    )
+    settings = replace(plan.settings, faults=tuple(weight))
+    plan = replace(plan, settings=settings, incidents=(Drawn(plan.scene, 0.0, said),))
+    trace = fly_plan(plan, plan.vehicle)
+    assert result_of(plan, trace, plan.vehicle, plan.profile).violations == ()
+    (gone,) = (e.t for e in trace.events if isinstance(e, Done) and e.act is Act.LEAVE)
+    up = next(e.t for e in trace.events if isinstance(e, Step) and SURFACED in e.entered)
+    assert out + 10.0 < up < gone
+
+
+CLEAR = b"@AC$"
 
 
 @pytest.mark.parametrize(
