@@ -118,6 +118,8 @@ class Core(Flying):
     def stop_in(self, name: str, state: str, why: str, by: By = By.LIMIT) -> None:
         """emergency/stopped or surfaced; ``name`` as for ``surface``."""
         self._let_go()
+        if self.active == SURFACING and self.vehicle_state.surfaced(self.now - SURFACE_TIME):
+            self.let_go_at = self.now  # a lift at the surface, which was to be held up
         self._to_emergency()
         self.doubted_at, self.rested = -math.inf, ""
         self._forget_sinking()

@@ -765,6 +765,28 @@ def test_what_its_fixes_alone_see_sink_while_auto_is_closed_counts_for_a_minute(
     assert world.state == SURFACING
 
 
+def test_a_stop_in_the_seconds_of_a_lift_lets_it_go_at_the_surface():
+    """As full thrust takes over the surface is proved; a clear behind the X forgets no minute."""
+    world = at_rest(SURFACED)
+    sink(world, 0.3, 6.0)
+    assert world.state == SURFACING
+    world.wait(28.0)  # it will be let go when its fixes prove the surface
+    world.depth, world.nav.doubt["depth"] = 0.2, "absurd"
+    second = 0
+    while "would sink again" not in world.actions[-1][1].reason:
+        second += 1
+        told_fixes(world, 1, second)
+        assert second < 900
+    assert world.state == SURFACING
+    world.tell(X)
+    world.wait(1.0)
+    world.tell(ClearMission())
+    assert world.state == IDLE_EMPTY
+    told_fixes(world, 3, 1000)
+    world.wait(20.0)
+    assert world.state == SURFACING
+
+
 @pytest.mark.parametrize("way", [Order.SURFACE, UPWARD])
 def test_it_is_held_up_by_full_thrust_and_not_by_a_w_that_may_not_last(way):
     world = held_up()
