@@ -47,6 +47,7 @@ _SHORT = 0.5  # m short of what is asked that must move a vehicle whose vertical
 _UNREPORTED = 1.0  # m, where they do not report: a hold may be so far off for ever
 _NEUTRAL, _STILL = 0.1, 0.1  # share of full thrust, vertical and ahead
 _GROUND, _LIES = 1.0, 60.0  # m of altitude, s since it was heard: it may lie on the ground
+_UNEVEN = 0.7  # m that such a ground may differ: one that sinks with the vehicle is none
 _FIXES_GO = 3.0  # s without one: the antenna is under water
 _HAD = 60.0  # s ago at most, that there were some
 _BODY = 1.25  # m/s: no body is faster up or down
@@ -78,8 +79,10 @@ class DepthBelief:
         self._is_offset = False  # ... and they alone
         self._samples: tuple[_Sample, ...] = ()
         self._way, self._pushed_at = 0, -math.inf  # of a push that should move it, down positive
+        self._lapsed = False  # by the last report nothing pushed, and it did before
         self._calm_at = self._still_at = math.inf  # since when nothing pushes down; drives
         self._moved_at = self._grounded_at = -math.inf
+        self._heard_from = math.inf, -math.inf  # m: of the grounds that were as near as that
         self._ground_from: tuple[float, float] | None = None  # s, m: of a ground that moves slowly
         self._doubted_at = -math.inf
         self._low = self._high = math.nan  # of its means, since then
@@ -141,18 +144,29 @@ class DepthBelief:
     ) -> None:
         quiet = receiver.no_news(t)
         if altitude is not None:
-            self._grounded_at = t if altitude <= _GROUND else -math.inf
+            self._notice_ground(t, depth, altitude)
         gone = quiet is not None and _FIXES_GO < quiet <= _HAD and abs(depth) < FIX_DEPTH
         if way := self._push(depth, push, gone):
             at_ground = t - self._grounded_at <= _LIES
-            if at_ground if way > 0 else depth < FIX_DEPTH:
+            if (at_ground and not gone) if way > 0 else depth < FIX_DEPTH:
                 way = 0
-        if way != self._way:
+        lapses = not way and self._way != 0 and not self._lapsed  # one report alone is no end of it
+        self._lapsed = lapses
+        if way != self._way and not lapses:
             self._way, self._pushed_at = way, t
         down = push.asked is not None and push.asked > depth
         pushes_down = down if push.down is None else push.down > _NEUTRAL
         self._calm_at = math.inf if pushes_down else min(self._calm_at, t)
         self._still_at = math.inf if mains > _STILL else min(self._still_at, t)
+
+    def _notice_ground(self, t: float, depth: float, altitude: float) -> None:
+        """Of an altimeter that says so all the way down it is itself that it hears."""
+        if altitude > _GROUND:
+            self._grounded_at, self._heard_from = -math.inf, (math.inf, -math.inf)
+            return
+        high, low = self._heard_from
+        self._heard_from = high, low = min(high, depth + altitude), max(low, depth + altitude)
+        self._grounded_at = t if low - high <= _UNEVEN else -math.inf
 
     def _push(self, depth: float, push: Vertical, gone: bool) -> int:
         """1 down, -1 up; 0 where the depth may well stand. ``gone``: it says that it is at the

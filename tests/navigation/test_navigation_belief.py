@@ -203,6 +203,40 @@ def test_to_lie_on_the_ground_is_natural_where_the_altimeter_says_so():
     assert Dive().go(300.0, DOWN, at(6.0), heard) == ""
 
 
+@pytest.mark.parametrize("clogs_at", [3.0, 6.0, 9.6])
+def test_an_altimeter_that_hears_itself_all_the_way_down_explains_no_depth_that_stands(clogs_at):
+    dive = Dive(noise=0.03)
+    assert dive.go(2.0 * clogs_at, DOWN, sinking(0.5), at(0.6)) == ""
+    assert dive.go(20.0, DOWN, at(clogs_at), at(0.6)).startswith("contradicted: the verticals")
+
+
+def test_ground_that_was_heard_far_off_in_between_is_another_one():
+    dive = Dive(noise=0.03)
+    dive.go(60.0, DOWN, at(6.0), at(0.3))
+    dive.go(20.0, Vertical(-0.6, 2.0), sinking(-0.2, 6.0), lambda s: 0.3 + 0.2 * s)
+    dive.go(20.0, DOWN, sinking(0.5, 2.0), lambda s: 11.0 - 0.5 * s)
+    assert dive.go(120.0, DOWN, at(12.0), at(0.3)) == ""
+
+
+def test_no_echo_is_the_ground_where_it_says_it_is_at_the_surface_and_fixes_have_ended():
+    dive = Dive(noise=0.03)
+    dive.go(20.0, REST, at(0.2), at(0.6), fixes=True)
+    assert dive.go(24.0, DOWN, at(0.2), at(0.6)).startswith("contradicted: the verticals push down")
+
+
+@pytest.mark.parametrize("push", [DOWN, UP])
+def test_a_push_that_lapses_for_one_report_goes_on_and_for_two_it_has_ended(push):
+    depth = at(4.2)
+    dive = Dive(noise=0.03)
+    assert dive.go(8.0, push, depth) == ""
+    assert dive.go(2.0, REST, depth) == ""
+    assert dive.go(8.0, push, depth).startswith("contradicted: the verticals push")
+    dive = Dive(noise=0.03)
+    for _ in range(20):
+        assert dive.go(8.0, push, depth) == ""
+        assert dive.go(4.0, REST, depth) == ""
+
+
 def test_a_slope_under_way_a_step_of_the_ground_and_a_slow_altimeter_are_natural():
     moving = Dive()
     moving.mains = 0.4
