@@ -326,7 +326,7 @@ _ROWS = (
     Limit(
         "heading does not follow",
         "heading",
-        "an error beyond 30 deg that grew by 20 deg in 10 s or more",
+        "an error beyond 30 deg that grew by 20 deg in 10 s or more, or two whole turns past it",
         lambda w: w.steering.astray,
         lambda w: w.steering.words,
         needs=frozenset({"heading"}),

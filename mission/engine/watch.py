@@ -32,6 +32,7 @@ _BEYOND = 0.5  # m deeper than a dive at the greatest rate: less is noise
 _STALE = 10.0  # s: two depths farther apart give no rate
 _TURNING_TIME = 10.0  # s of growing heading error (design: limits)
 _GROWTH, _LARGE, _NOISE = (math.radians(a) for a in (20.0, 30.0, 10.0))
+_ROUND = math.radians(720.0)  # no turn to a heading goes round twice
 _NEW_HEADING = math.radians(15.0)
 _STUCK_TIME = 120.0  # s without coming nearer: a dive at a tenth of its pace does
 _NEARER, _OFF = 0.5, 2.0  # m: of that time, and what is not there yet
@@ -70,9 +71,10 @@ class Descent:
             self.unexplained = None
             return
         self._t, self._depth = t, depth
+        seen = max(depth, before)  # one alone that is shallower may be wild
         if asked or self._shallowest is None:
-            asked, self._shallowest = True, depth
-        self._shallowest = min(self._shallowest, depth)
+            asked, self._shallowest = True, seen
+        self._shallowest = min(self._shallowest, seen)
         if not 0.0 < since <= _STALE:
             self._beyond, self.unexplained = 0.0, None
             return
@@ -86,13 +88,14 @@ class Descent:
 
 
 class Steering:
-    __slots__ = ("_from", "_peak", "_since", "_wanted", "astray", "words")
+    __slots__ = ("_from", "_off", "_peak", "_since", "_turned", "_wanted", "astray", "words")
 
     words: str
 
     def __init__(self) -> None:
         self._wanted: float | None = None
         self._since, self._from, self._peak = 0.0, 0.0, 0.0
+        self._off = self._turned = 0.0  # of what is wanted, and in all since it is: right positive
         self.astray: bool | None = None
         self.words = ""
 
@@ -105,8 +108,11 @@ class Steering:
             self._wanted = None
         if wanted is None or heading is None:
             return
-        error = abs(wrap(heading - wanted))
+        off = wrap(heading - wanted)
+        error = abs(off)
         fresh = self._wanted is None or abs(wrap(wanted - self._wanted)) > _NEW_HEADING
+        self._turned = 0.0 if fresh else self._turned + wrap(off - self._off)
+        self._off = off
         if fresh or error < self._peak - _NOISE:
             self._wanted, self._since, self._from, self._peak = wanted, t, error, error
         self._peak = max(error, self._peak)
@@ -114,6 +120,11 @@ class Steering:
         self.astray = t - self._since >= _TURNING_TIME and grown >= _GROWTH and error > _LARGE
         if self.astray:
             self.words = f"heading {math.degrees(error):.0f} deg off what was set, and growing"
+        elif abs(self._turned) >= _ROUND:
+            self.astray, self.words = (
+                True,
+                "it turns round and round, past the heading that was set",
+            )
 
 
 class Progress:

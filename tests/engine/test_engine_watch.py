@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -61,12 +62,24 @@ def test_after_too_long_a_gap_the_next_two_depths_are_a_rate_again():
 def test_two_metres_are_an_allowance_below_the_shallowest_depth_since_it_was_asked_for():
     assert not sunk((0.0, 1.0), (2.0, 3.0)).unexplained
     assert sunk((0.0, 1.0), (2.0, 3.001)).unexplained
-    assert not sunk((0.0, 4.0), (2.0, 1.0), (4.0, 3.0)).unexplained
-    assert sunk((0.0, 4.0), (2.0, 1.0), (4.0, 3.001)).unexplained
+    up = (0.0, 4.0), (2.0, 1.0), (4.0, 1.0)
+    assert not sunk(*up, (6.0, 3.0)).unexplained
+    assert sunk(*up, (6.0, 3.001)).unexplained
     descent = sunk((0.0, 0.0), (2.0, 5.0), asked=True)
     assert not descent.unexplained
     descent.take(4.0, 7.0, False, 9.0)
     assert not descent.unexplained
+
+
+@pytest.mark.parametrize("before", [1, 3])
+@pytest.mark.parametrize("asked", [False, True])
+def test_one_wild_depth_far_above_the_others_makes_no_descent_of_what_follows(before, asked):
+    """-2.6 m at the surface: its neighbours are 2.6 m deeper, and it has not moved."""
+    descent = sunk(*((2.0 * i, 0.2) for i in range(before)), asked=asked)
+    descent.take(2.0 * before, -2.6, asked, 9.0)
+    for i in range(before + 1, before + 30):
+        descent.take(2.0 * i, 0.0 if i % 2 else 0.4, False, 9.0)
+        assert not descent.unexplained
 
 
 @pytest.mark.parametrize("between", [(8.5, 5.0), (9.0, None)], ids=["too soon", "unknown"])
@@ -165,6 +178,35 @@ def test_without_a_heading_nothing_is_astray_and_without_a_wanted_one_all_begins
     assert turned((0, 0, 0), (5, None, 0), (10, 40, 0)).astray is True
     assert turned((0, 0, 0), (10, 40, None)).astray is None
     assert turned((0, 0, 0), (5, 0, None), (10, 40, 0)).astray is False
+
+
+def rounds(rate: float, wanted: Callable[[float], float], most: float = 600.0) -> float | None:
+    """When what turns by so many deg a second, reported every 2 s, is astray; None: not by then."""
+    steering = Steering()
+    for i in range(int(most / 2.0)):
+        t = 2.0 * i
+        steering.take(t, math.radians(rate * t) % math.tau, math.radians(wanted(t)))
+        if steering.astray:
+            assert steering.words
+            return t
+    return None
+
+
+@pytest.mark.parametrize("rate", [-80.0, -30.0, 5.0, 15.0, 18.0, 25.0, 30.0, 40.0, 60.0, 80.0])
+def test_what_turns_round_and_round_past_its_heading_is_astray(rate: float):
+    """However fast: its error grows, and shrinks again, within the time that it has to grow."""
+    at = rounds(rate, lambda t: 0.0)
+    assert at is not None
+    assert at <= 30.0
+
+
+@pytest.mark.parametrize("step", [8.0, 14.0, 16.0])
+def test_what_is_led_round_and_round_by_the_heading_that_is_set_is_not_astray(step: float):
+    assert rounds(1.0, lambda t: step * math.floor(t / step), most=1500.0) is None
+
+
+def test_what_turned_round_is_forgotten_with_a_new_heading():
+    assert rounds(30.0, lambda t: 0.0 if t < 20.0 else 180.0, most=38.0) is None
 
 
 # --- progress -------------------------------------------------------------------------------
