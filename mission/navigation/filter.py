@@ -46,6 +46,7 @@ _UNKNOWN = 1e4  # m: no position, no depth yet
 _LOOSEST = 25.0  # times the variance before anything was heard (no position)
 _TURN = 0.15  # rad between two reports: less is noise
 _STEP = 5.0  # s, the longest piece of a prediction
+_MOST = 720  # of them: an hour. Beyond, they are longer: nothing is known of the place any more
 _POSITION = np.eye(2, STATES)
 _DEPTH = np.zeros((1, STATES))
 _DEPTH[0, DEPTH] = 1.0
@@ -179,7 +180,7 @@ class Filter:
     # --- time ------------------------------------------------------------------------------
 
     def predict(self, dt: float, run: Motion) -> None:
-        pieces = max(1, math.ceil(dt / _STEP))
+        pieces = min(max(1, math.ceil(dt / _STEP)), _MOST)
         for _ in range(pieces):
             self._piece(dt / pieces, run)
 

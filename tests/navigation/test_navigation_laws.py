@@ -16,6 +16,7 @@ from mission.model.vehicle import Vehicle
 from mission.navigation import LocalFrame, Navigation
 from mission.navigation.distribution import PLANE_95, principal
 from mission.navigation.geodesy import EARTH
+from mission.navigation.kalman import KalmanFilter
 from protocol.messages import Fix, Telemetry
 
 Item = tuple[Truth, Telemetry | Fix]
@@ -464,6 +465,28 @@ def test_a_silence_of_the_vehicle_is_not_taken_for_a_straight_course(vehicle: Ve
         n, e = truth.north - estimate.north, truth.east - estimate.east
         assert (d * n * n - 2.0 * b * n * e + a * e * e) / (a * d - b * b) < 5.991
         assert a + d > 0.2 * (asked.covariance[0] + asked.covariance[2])
+
+
+def test_a_silence_of_days_is_predicted_in_as_many_pieces_as_one_of_an_hour(
+    vehicle: Vehicle, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A vehicle that waits on deck with its board off: a step of the engine cost half a minute."""
+    pieces: list[object] = []
+    predict = KalmanFilter.predict
+    monkeypatch.setattr(KalmanFilter, "predict", lambda it: (pieces.append(it), predict(it)))
+    counts, radii = [], []
+    heard = list(sail(Sea(), 60.0, 60.0, 2))
+    for silence in (1800.0, 3600.0, 86400.0, 7 * 86400.0):
+        nav = feed(Navigation(vehicle, HOME), heard)
+        pieces.clear()
+        estimate = nav.estimate(heard[-1][0].t + silence)
+        assert estimate is not None
+        counts.append(len(pieces))
+        radii.append(estimate.covariance[0])
+    assert counts[0] == pytest.approx(360, abs=5)
+    assert counts[1] == counts[2] == counts[3]
+    assert radii == sorted(radii)
+    assert all(math.isfinite(radius) for radius in radii)
 
 
 def test_a_vehicle_without_any_compass_may_be_on_any_side(vehicle: Vehicle) -> None:
