@@ -260,14 +260,23 @@ class Core(Flying):
             self._mind_hold(self.hold)
 
     def mind_fixes(self) -> None:
-        """Brings up what is taken to sink though no depth is believed: the fixes that proved the
-        surface have ended, with reports or without (R7)."""
+        """Brings up what is taken to sink though no depth tells: the fixes that proved the surface
+        have ended, with reports or without (R7)."""
         due, ended = self._fixes_end
-        if self.now >= due and self.vehicle_state.depth is None and self.auto:
+        if self.now >= due and not self._depth_tells and self.auto:
             done = "let go" if self.hold is None else "held up"
-            self.surface(
-                "limit", f"{ended} since it was {done}, and no depth is believed", By.LIMIT
+            told = (
+                "no depth is believed" if self.vehicle_state.depth is None else "the depth stands"
             )
+            self.surface("limit", f"{ended} since it was {done}, and {told}", By.LIMIT)
+
+    @property
+    def _depth_tells(self) -> bool:
+        """Whether it would show that the vehicle sinks. One that stands does not, where fixes may
+        say otherwise: the vehicle's own places are fixes by that depth alone."""
+        state, fix = self.vehicle_state, self.vehicle_state.fix
+        own = fix is not None and fix.accuracy == math.inf
+        return state.depth is not None and (own or not state.repeats)
 
     @property
     def _fixes_end(self) -> tuple[float, str]:
@@ -282,12 +291,10 @@ class Core(Flying):
         return due, ended
 
     def rest_due(self) -> float | None:
-        """When the end of the fixes, or in idle of the depth (a restart asks for that), is to be
-        looked for, if nothing is heard any more."""
+        """When the end of the fixes is to be looked for, if nothing is heard any more."""
         due, told = self._fixes_end[0], self.vehicle_state.telemetry
-        if told is not None and self.vehicle_state.depth is not None:
-            lost = told.t + self.vehicle.stale_after + _LATER
-            due = lost if self.region == IDLE else max(due, lost)
+        if due < math.inf and told is not None and self._depth_tells:
+            return max(due, told.t + self.vehicle.stale_after + _LATER)
         return due if due < math.inf else None
 
     def take_stick(self) -> None:

@@ -14,7 +14,7 @@ import statistics
 from typing import Any, Protocol, Self
 
 from mission.engine.attitude import Attitude
-from mission.engine.thrust import MAINS, THRUSTERS
+from mission.engine.thrust import downward, with_thrust
 from mission.legs.base import Point, wrap
 from mission.model import (
     CONTRADICTED,
@@ -42,6 +42,7 @@ _SCATTER = 10.0  # m (R9)
 _HDOP = 3.0  # (R9)
 FIX_AGE = 5.0  # s: an older fix is none (R9)
 WRONG_FOR = 20.0  # s that a depth may have been wrong and was believed (R5)
+_REPEATS = 8.0  # s: four reports of the AUV with the same depth
 _TRAVELS, _TRAVELLED = 1.0, 10.0  # m of a depth whose zero is wrong, s ago: not at the surface
 
 
@@ -112,7 +113,9 @@ class VehicleState:
         self.command: Setpoint | None = None  # in force at the vehicle
         self._position_at = -math.inf  # of the vehicle's own positions, the last one used
         self._shallow_since: float | None = -math.inf if grounded else None
+        self._shallow_from: float | None = None  # the first such depth, until there is another
         self._told: tuple[float | None, float] = None, -math.inf  # the last depth to believe; s
+        self._same_since = math.inf  # s: it says what it says
         self._moved_at = self._expected = -math.inf  # it changed; from then on it has to
         self._offset: float | None = None  # compass minus true heading
         self._healths: dict[str, Health] = {}  # asked for at this instant
@@ -139,10 +142,10 @@ class VehicleState:
     def take_telemetry(self, report: Telemetry) -> None:
         silent = self._was_silent(report)
         self.telemetry = report
-        self.attitude = self.attitude.after(driven := self._with_thrust(report))
+        self.attitude = self.attitude.after(driven := with_thrust(report, self.command))
         if self.navigation:
             over = self.overturned  # then the same push leads the other way
-            push = Vertical(None, None) if over else Vertical(_downward(report), self._asked())
+            push = Vertical(None, None) if over else Vertical(downward(report), self._asked())
             self.navigation.telemetry(driven, push)
             self.estimate = self.navigation.estimate(report.t)
         self._forget()
@@ -158,7 +161,11 @@ class VehicleState:
         if depth is None or not IN_AIR < depth < SURFACE_DEPTH or not lives:
             self._shallow_since = None
         elif self._shallow_since is None or (silent and not self._grounded):
-            self._shallow_since = report.t
+            self._shallow_since, self._shallow_from = report.t, depth
+        elif depth == self._shallow_from:
+            self._shallow_since = report.t  # what it may have died with proves nothing
+        else:
+            self._shallow_from = None
         true = self.estimate.heading if self.estimate else None
         if report.heading is not None and true is not None and self.health("heading").valid:
             self._offset = wrap(report.heading - true)
@@ -178,6 +185,8 @@ class VehicleState:
         if depth != before is not None and self.now - at <= self.stale_after:
             self._moved_at = self.now
             self._expected = min(self._expected, math.nextafter(self.now, math.inf))
+        if depth != before:
+            self._same_since = self.now
         self._told = depth, self.now
         return self.lives
 
@@ -188,14 +197,12 @@ class VehicleState:
         begun, moved = self.rising_since, self._moved_at
         return self._grounded or (moved >= self._expected and (begun is None or moved > begun))
 
-    def _with_thrust(self, report: Telemetry) -> Telemetry:
-        """Where a vehicle does not say what its thrusters do, they are taken to do what they were
-        told: left and right main first, then something that turns while the vertical is held."""
-        if report.actuators is not None:
-            return report
-        s = self.command or Setpoint()
-        vertical = 1.0 if s.depth is not None or s.altitude is not None else s.heave or 0.0
-        return report._replace(actuators=(s.surge + s.turn, s.surge - s.turn, vertical))
+    @property
+    def repeats(self) -> bool:
+        """The depth says the same to the last bit. Where nothing turns nobody can tell whether it
+        has frozen; what else is known may."""
+        still = self.now - self._same_since > max(_REPEATS, self.stale_after)
+        return still and not self._grounded and self.depth is not None
 
     def _asked(self) -> float | None:
         """The depth that the set in force asks for, m."""
@@ -349,9 +356,8 @@ class VehicleState:
         return self.fixed(since) or (shallow and self._told_again())
 
     def _told_again(self) -> bool:
-        """The shallow depth, by more than one report."""
-        told = self.telemetry
-        return self._grounded or (told is not None and told.t != self._shallow_since)
+        """The shallow depth, by another report, which differs."""
+        return self._shallow_from is None
 
     def fixed(self, since: float) -> bool:
         """By a fix that proves the surface."""
@@ -386,12 +392,6 @@ class VehicleState:
         if any(metres(latitude, longitude, f.latitude, f.longitude) > _SCATTER for f in self.fixes):
             return None
         return Position(math.degrees(latitude), math.degrees(longitude))
-
-
-def _downward(report: Telemetry) -> float | None:
-    """Share of full thrust of the verticals, downward positive; None where they do not report."""
-    verticals = (report.actuators or ())[MAINS:THRUSTERS]
-    return -sum(verticals) / len(verticals) if verticals else None
 
 
 def _good(fix: Fix) -> bool:

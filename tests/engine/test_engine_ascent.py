@@ -784,8 +784,20 @@ def test_a_depth_that_has_not_changed_since_the_ascent_began_proves_no_surface(f
         if fixed:
             world.tell(world.fix(north=0.2 * world.t))
     assert world.state == SURFACING
-    world.depth = 0.25
-    world.wait(8.1)
+    world.depth, world.trembles = 0.25, 0.001
+    world.wait(10.1)
+    assert world.state == SURFACED
+
+
+@pytest.mark.parametrize("depth", [0.0, 0.3, 0.499])
+def test_a_depth_that_dies_as_a_shallow_one_proves_no_surface(depth: float):
+    """Zero is what a board says whose sensor has died, and the ascent goes on; fixes end it."""
+    world = surfacing(depth=4.0)
+    world.wait(4.0)
+    world.depth, world.trembles = depth, 0.0
+    world.wait(300.0)
+    assert world.state == SURFACING
+    world.tell(world.fix(north=5.0))
     assert world.state == SURFACED
 
 

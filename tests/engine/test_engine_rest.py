@@ -454,6 +454,62 @@ def test_what_sinks_unseen_is_brought_up_without_a_report_and_though_it_was_clea
     assert "no fix for 8 s" in world.engine.reason
 
 
+@pytest.mark.parametrize("lives", [True, False])
+@pytest.mark.parametrize("cleared", [True, False])
+def test_what_sinks_with_a_depth_that_stands_is_brought_up_when_its_fixes_end(
+    lives: bool, cleared: bool
+):
+    """Where nothing turns nothing else says that it has frozen."""
+    world = at_rest(SURFACED)
+    world.tell(world.report(depth=0.2))
+    if cleared:
+        world.tell(ClearMission())
+    world.trembles *= lives
+    told_fixes(world, 10)
+    world.wait(20.0)
+    assert world.state == ((IDLE_EMPTY if cleared else SURFACED) if lives else SURFACING)
+    if not lives:
+        assert world.engine.reason == "no fix for 8 s since it was let go, and the depth stands"
+
+
+def test_what_is_held_up_with_a_depth_that_stands_comes_up_again_when_its_fixes_end():
+    world = held_up()
+    world.trembles = 0.0
+    told_fixes(world, 100)
+    assert world.state == SURFACED
+    world.wait(10.0)
+    assert world.state == SURFACING
+    assert "since it was held up, and the depth stands" in world.engine.reason
+
+
+def test_places_that_are_fixes_by_a_depth_that_stands_say_nothing_against_it():
+    """A core board's own: on deck it says the same depth, and the same place."""
+    world = at_rest(SURFACED)
+    for second in range(80):
+        world.wait(1.0, reports=False)
+        world.trembles *= second < 10
+        world.tell(world.report(position=(0.5, 2.0 + 1e-8 * min(second, 20))))
+    assert world.state == SURFACED
+
+
+def test_the_end_of_the_fixes_of_a_depth_that_stands_is_looked_for_when_it_is_due():
+    """Not with the next report, nor again and again while node AUTO is closed."""
+    for closed in (False, True):
+        world = at_rest(SURFACED)
+        world.trembles = 0.0
+        told_fixes(world, 12)
+        if closed:
+            world.tell(AutoNode(False))
+        world.tell(world.report())
+        due = world.t + 8.0
+        assert world.engine.next_timer() == due
+        world.wait(7.0)
+        world.until(due, reports=False)
+        timer = world.engine.next_timer()
+        assert timer is None or timer > world.t
+        assert world.state == (SURFACED if closed else SURFACING)
+
+
 def test_what_was_let_go_a_minute_before_its_fixes_end_floats():
     world = at_rest(SURFACED)
     world.depth = None
@@ -1163,6 +1219,6 @@ def test_after_a_restart_a_depth_that_has_not_changed_proves_no_surface():
     world.tell(Restarted(SURFACING))
     world.wait(300.0)
     assert world.state == SURFACING
-    world.depth = 0.21
-    world.wait(8.1)
+    world.depth, world.trembles = 0.21, 0.001
+    world.wait(10.1)
     assert world.state == SURFACED

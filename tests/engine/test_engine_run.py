@@ -314,7 +314,7 @@ def test_while_a_leg_climbs_the_next_deadline_is_its_judging_or_the_surface():
     world.engine.core.watch.heard = math.inf
     world.tell()
     assert world.engine.next_timer() == 113.0
-    world.t = 110.0
+    world.t = 109.0
     world.tell(world.report())
     world.engine.core.watch.heard = math.inf
     world.until(113.0, reports=False)

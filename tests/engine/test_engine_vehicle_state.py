@@ -18,7 +18,9 @@ _METRE = 1.0 / 6371008.8
 
 
 def report(t: float, **values: object) -> Telemetry:
-    base = Telemetry(t=t, depth=0.2, altitude=9.0, heading=1.0, actuators=NEUTRAL)
+    """At the surface, unless told otherwise: a depth that lives, 0.2 m at 10 s."""
+    depth = 0.2 + 0.001 * ((t - 10.0) % 4.0)
+    base = Telemetry(t=t, depth=depth, altitude=9.0, heading=1.0, actuators=NEUTRAL)
     return base._replace(**values)
 
 
@@ -288,11 +290,19 @@ def test_a_depth_that_froze_in_a_silence_proves_no_surface_though_it_is_another(
 
 
 @pytest.mark.parametrize(
-    ("said", "up"), [([0.30], False), ([0.35], False), ([1.1], False), ([0.35, 0.32], True)]
+    ("said", "up"),
+    [
+        ([0.30], False),
+        ([0.35], False),
+        ([1.1], False),
+        ([0.35, 0.32], False),
+        ([0.35, 0.32, 0.31], True),
+    ],
 )
 @pytest.mark.parametrize("lived", [False, True])
 def test_a_depth_that_froze_proves_no_surface_by_one_other_value(lived: bool, said, up: bool):
-    """Which it says among the same: by three that differ it lives again."""
+    """Which it says among the same: by three that differ it lives again, and by a fourth that it
+    did not end with the third."""
     navigation = Navigation()
     vehicle_state = VehicleState(navigation)
     vehicle_state.rising_since = 1.0
@@ -317,7 +327,62 @@ def test_the_report_with_which_an_ascent_begins_is_no_change_since():
     assert not vehicle_state.surfaced(5.0)
     for t in (15.0, 17.0, 19.0, 21.0):
         told(vehicle_state, t, depth=0.41)
+    assert not vehicle_state.surfaced(5.0)  # nor one that may have ended with that change
+    for t in (23.0, 25.0, 27.0, 29.0):
+        told(vehicle_state, t, depth=0.41 + 0.001 * (t - 21.0))
     assert vehicle_state.surfaced(5.0)
+
+
+def test_a_depth_that_dies_at_zero_within_reach_of_the_surface_proves_none():
+    """A board that begins anew, or a cable that is torn: 0.0 from then on, which is a change."""
+    vehicle_state = VehicleState(Navigation())
+    for t, depth in ((10.0, 5.0), (12.0, 4.3)):
+        told(vehicle_state, t, depth=depth)
+    vehicle_state.rising_since = 12.0
+    told(vehicle_state, 14.0, depth=3.6)
+    for t in range(16, 116, 2):
+        told(vehicle_state, float(t), depth=0.0)
+        assert not vehicle_state.surfaced(12.0)
+    told(vehicle_state, 116.0, depth=0.1)
+    assert vehicle_state.surface_due(12.0) == 120.0  # six seconds from the last that was the same
+    told(vehicle_state, 118.0, depth=0.1)
+    vehicle_state.at(119.999)
+    assert not vehicle_state.surfaced(12.0)
+    vehicle_state.at(120.0)
+    assert vehicle_state.surfaced(12.0)
+
+
+def test_where_the_depth_has_died_at_zero_a_fix_still_proves_the_surface():
+    vehicle_state = VehicleState(Navigation())
+    vehicle_state.rising_since = 9.0
+    for t, depth in ((10.0, 1.4), (12.0, 0.7), (14.0, 0.0), (16.0, 0.0), (18.0, 0.0)):
+        told(vehicle_state, t, depth=depth)
+    vehicle_state.take_fix(fix(18.5))
+    assert vehicle_state.surfaced(9.0)
+
+
+def test_a_depth_repeats_itself_when_it_is_the_same_for_longer_than_eight_seconds():
+    vehicle_state = VehicleState(Navigation())
+    for t in (10.0, 12.0, 14.0, 16.0, 18.0):
+        told(vehicle_state, t, depth=0.3)
+        assert not vehicle_state.repeats
+    vehicle_state.at(18.001)
+    assert vehicle_state.repeats
+    told(vehicle_state, 20.0, depth=math.nextafter(0.3, 1.0))
+    assert not vehicle_state.repeats
+    grounded = VehicleState(Navigation(), grounded=True)
+    for t in (10.0, 20.0, 30.0):
+        assert not told(grounded, t, depth=0.0).repeats
+
+
+def test_what_reports_rarely_repeats_itself_only_once_a_report_is_too_old():
+    vehicle_state = VehicleState(Navigation(), stale_after=20.0)
+    told(vehicle_state, 10.0, depth=0.3)
+    vehicle_state.at(30.0)
+    assert not vehicle_state.repeats
+    told(vehicle_state, 30.0, depth=0.3)
+    vehicle_state.at(30.001)
+    assert vehicle_state.repeats
 
 
 def test_of_two_reports_within_a_step_the_later_is_believed():

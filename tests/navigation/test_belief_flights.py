@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+from random import Random
+
 import pytest
 
+from links.simulated.fault import Fault, Parts
+from links.simulated.faults import FAULTS
 from links.simulated.settings import parse_settings
 from mission.authoring.language import parse
 from mission.authoring.prepare import prepare
 from mission.model import SURFACED, Mission
 from mission.model.shipped import load_vehicle, missions_folder
+from mission.verification.campaign.trial import try_out
 from mission.verification.simulation.flight import fly
-from mission.verification.simulation.flightlog import Flight
+from mission.verification.simulation.flightlog import Flight, TruePlace
 
 pytestmark = pytest.mark.proof  # long: make proofs
 
@@ -104,3 +109,96 @@ def test_no_depth_of_a_flight_without_faults_is_contradicted(name: str, profile:
         seed=len(name),
     )
     assert flight.outcome != "emergency", flight.reason
+
+
+# --- a sensor that says one thing ----------------------------------------------------------------
+
+DEPTH, ALTITUDE = 4, 5  # of what the sensors sample
+UP = {SURFACED, "autonomous/surface", "idle/ready"}  # what an ascent leads to when it has ended
+
+
+class Says:
+    """One value, whatever is true, with noise."""
+
+    def __init__(self, level: float, noise: float) -> None:
+        self._level, self._noise = level, noise
+
+    def says(self, value: float, t: float, rng: Random) -> float:
+        return self._level + rng.gauss(0.0, self._noise)
+
+
+def saying(slot: int, noise: float) -> Fault:
+    def begin(parts: Parts, level: float) -> None:
+        parts.sensors.wrong[slot] = Says(level, noise)
+
+    def end(parts: Parts, _: float) -> None:
+        parts.sensors.wrong.pop(slot, None)
+
+    return Fault("it says one value", begin, end, 0.0, "m")
+
+
+@pytest.fixture
+def one_value(monkeypatch: pytest.MonkeyPatch) -> None:
+    """``depth_dead`` says a depth to the last bit; ``altitude_rings`` hears its own pulse."""
+    monkeypatch.setitem(FAULTS, "depth_dead", saying(DEPTH, 0.0))
+    monkeypatch.setitem(FAULTS, "altitude_rings", saying(ALTITUDE, 0.05))
+
+
+SHORT = parse(
+    MISSION.replace("elapsed >= 100s timeout 110s", "elapsed >= 60s timeout 70s").format(
+        depth=8, limit=11, reached=7.5
+    )
+)
+
+
+def watched(profile: str, *faults: str) -> tuple[TruePlace, ...]:
+    """The track of a flight that is watched on behind its end."""
+    settings = parse_settings(["floor=250", *(f"fault={fault}" for fault in faults)])
+    return try_out(SHORT, load_vehicle("auv"), profile, 1, settings).track
+
+
+@pytest.mark.usefixtures("one_value")
+@pytest.mark.parametrize(
+    ("profile", "at"),
+    [("as-built", at) for at in (118, 122, 124, 126)]
+    + [("documented", at) for at in (103, 104, 106, 109)],
+)
+def test_a_depth_that_dies_at_zero_on_the_way_up_ends_no_ascent(profile: str, at: int) -> None:
+    """3 N too heavy, it would sink for ever once it is let go."""
+    track = watched(profile, f"depth_dead=0@{at}+700", "heavy=18@60+700")
+    died = next(place.depth for place in track if place.t >= at)
+    assert 1.0 < died < 6.0
+    assert max(place.depth for place in track if at < place.t < at + 600.0) <= max(died, 3.0)
+
+
+@pytest.mark.usefixtures("one_value")
+@pytest.mark.parametrize("profile", PROFILES)
+def test_a_depth_that_has_died_at_zero_leaves_a_sound_vehicle_to_its_fixes(profile: str) -> None:
+    at = 112 if profile == "as-built" else 102
+    flight = flown(SHORT, profile, f"fault=depth_dead=0@{at}+2000")
+    assert flight.reason == "the mission's end was reached"
+    ended = next(step.t for step in flight.steps if step.t > at and set(step.entered) & UP)
+    assert next(place.depth for place in flight.track if place.t >= ended) < 0.8
+    assert flight.at_surface
+
+
+@pytest.mark.parametrize("at", [126, 128, 132, 138])
+def test_what_sinks_at_rest_with_a_frozen_depth_is_brought_up_when_its_fixes_end(at: int) -> None:
+    """Nothing turns, so that nothing says that it has frozen."""
+    track = watched("as-built", f"depth_frozen@{at}+700", "heavy=18@60+700")
+    assert max(place.depth for place in track if place.t > at + 20.0) < 4.0
+
+
+@pytest.mark.usefixtures("one_value")
+@pytest.mark.parametrize("profile", PROFILES)
+@pytest.mark.parametrize("fault", ["depth_stuck@1", "depth_stuck@18", "depth_stuck@26"])
+def test_an_altimeter_that_hears_itself_hides_no_clogged_port(profile: str, fault: str) -> None:
+    """In deep water, where no bottom is in its range."""
+    mission = parse(MISSION.replace("100s", "400s").replace("110s", "410s").format(
+        depth=10, limit=11, reached=9.5
+    ))  # fmt: skip
+    faults = [f"fault={fault}+900", "fault=altitude_rings=0.6@1+900"]
+    flight = flown(mission, profile, "floor=250", *faults)
+    assert flight.reason.startswith(LIMIT)
+    assert flight.max_depth <= 11 + SINKS
+    assert flight.at_surface

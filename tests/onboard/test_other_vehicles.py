@@ -268,17 +268,17 @@ def test_a_position_of_its_own_proves_no_surface_but_counts_as_a_fix_there() -> 
     assert not vehicle_state.surfaced(0.0)
     for i in range(20, 26):
         vehicle_state.at(float(i))
-        vehicle_state.take_telemetry(Telemetry(float(i), depth=0.1, position=here))
+        vehicle_state.take_telemetry(Telemetry(float(i), depth=0.1 + 0.01 * (i % 2), position=here))
         assert vehicle_state.fix is None
     for i in range(26, 29):
         vehicle_state.at(float(i))
-        vehicle_state.take_telemetry(Telemetry(float(i), depth=0.1, position=here))
+        vehicle_state.take_telemetry(Telemetry(float(i), depth=0.1 + 0.01 * (i % 2), position=here))
     assert vehicle_state.fix is not None
     assert vehicle_state.surfaced(0.0)
     assert vehicle_state.home_from_fixes() is None
     for i in range(29, 31):
         vehicle_state.at(float(i))
-        vehicle_state.take_telemetry(Telemetry(float(i), depth=0.1, position=here))
+        vehicle_state.take_telemetry(Telemetry(float(i), depth=0.1 + 0.01 * (i % 2), position=here))
     home = vehicle_state.home_from_fixes()
     assert home is not None, "five of its own at a proved surface are a home"
     assert math.radians(home.latitude_deg) == pytest.approx(here[0])

@@ -123,7 +123,7 @@ _RULES: Mapping[str, Broken] = {
         same,
     ),
     "surface by one report": Broken(
-        "R7: two reports of a shallow depth",
+        "R7: two reports of a shallow depth that differ",
         nothing(VehicleState, "_told_again", True),
         "takes a silence that begins at the surface; exhaustive has it in every state",
         same,

@@ -48,7 +48,9 @@ NO_PLACE = "it knows no place"
 HOLDS_NOTHING = "nothing holds a depth before its signs are confirmed"
 ON_LAND = "it drives on land"
 NO_HEADING_AT_SURFACE = "its place is known at the surface alone, where its board holds no heading"
-UNKNOWN_AT_REST = "a depth that is frozen at rest is not known to be"
+UNKNOWN_AT_REST = (
+    "fixes alone tell that a depth is frozen at rest, and it has no receiver of its own"
+)
 NO_BATTERY, NO_LEAK = "it reports no battery", "it reports no leak"
 _WORDS = "its board repeats a whole frame, and answers nothing: no single word is lost or refused"
 _UNPROVED = "without a place nothing but its depth can prove the surface: it surfaces for ever"
