@@ -279,6 +279,12 @@ class Core(Flying):
         return state.depth is not None and (own or not state.repeats)
 
     @property
+    def is_heard(self) -> bool:
+        """Whether reports come."""
+        told = self.vehicle_state.telemetry
+        return told is not None and self.now - told.t <= self.vehicle.stale_after
+
+    @property
     def _fixes_end(self) -> tuple[float, str]:
         """When the fixes that proved the surface count as ended, and which; never where it was let
         go a minute before: it floats. What is held up may lose that long after."""

@@ -121,8 +121,8 @@ def _may_still_turn(core: Core) -> bool:
 def _is_deep(core: Core) -> bool:
     """By a depth that is believed; while reports are missing, by the last one that was."""
     state = core.vehicle_state
-    depth, report = state.depth, state.telemetry
-    if depth is None and report is not None and core.now - report.t > state.stale_after:
+    depth = state.depth
+    if depth is None and not core.is_heard:
         depth = state.believed_depth if state.submerged else None
     return depth is not None and depth > DEEP
 

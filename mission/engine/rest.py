@@ -126,6 +126,11 @@ class Rest:
         return math.isnan(self._depth)
 
     @property
+    def was_up(self) -> bool:
+        """Whether the depth last believed since it came to rest was not deep."""
+        return self._depth <= DEEP
+
+    @property
     def goes_down(self) -> str:
         """Why it is taken to sink by a depth that is not believed, in words; "" if it is not."""
         sunk = 0.0 if self._doubted is None else self._doubted[1] - self._highest

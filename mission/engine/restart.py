@@ -7,7 +7,7 @@
     stopped, surfaced        --> the same again, everything stopped: the vehicle may be on deck
                                  (what was surfaced was up: deeper now, it has sunk meanwhile)
     the stick alone, a stop that nothing has acknowledged, or a rest in which it has sunk while AUTO
-    was closed, or may have while no depth was believed
+    was closed, or may have while reports brought no depth to believe
                              --> stopped, idle; and up by the first depth that says it is deep, and
                                  stays so: nobody may be there whose silence could be counted
     nothing                  --> idle, also where it has sunk meanwhile: it may be on deck; X0 where
@@ -50,12 +50,13 @@ def under_way(core: Core) -> str:
 
 
 def _may_have_sunk(core: Core) -> bool:
-    """At rest, and nobody brings it up: no depth was believed when it came to rest, or none is any
-    more; or AUTO is closed, which a restart opens."""
+    """At rest, and nobody brings it up: no depth was believed when it came to rest; or what was up
+    has reports without one (a board that is silent may be on deck, without power); or it sinks and
+    AUTO is closed, which a restart opens."""
     rest, lost = core.rest, core.vehicle_state.depth is None
     if not core.rested:  # no report has come since it came to rest
-        return core.moved_blind or lost
-    blind = core.moved_blind if rest.is_dark else lost
+        return core.moved_blind
+    blind = core.moved_blind if rest.is_dark else rest.was_up and core.is_heard and lost
     return blind or rest.unseen or bool(rest.sinks or rest.goes_down)
 
 

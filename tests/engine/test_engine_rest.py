@@ -753,21 +753,30 @@ def test_what_has_sunk_in_idle_while_auto_is_closed_is_brought_up_behind_a_resta
     assert again_at(8.0, world.engine.under_way).state == SURFACING
 
 
-@pytest.mark.parametrize("reports", [True, False])
-@pytest.mark.parametrize("how", HOW)
-def test_what_may_have_sunk_in_idle_since_its_depth_was_lost_is_brought_up_behind_a_restart(
-    how: str, reports: bool
-):
-    """Where nothing is heard any more either: that is looked for by itself."""
+@pytest.mark.parametrize("how", ["begun", "cleared", "forgotten", "ended"])
+def test_what_was_up_in_idle_and_has_no_depth_any_more_is_brought_up_behind_a_restart(how: str):
     world = let_go_in_idle(how)
-    if reports:
-        world.nav.doubt["depth"] = "absurd"
-    world.wait(8.0, reports=reports)
+    world.wait(4.0)
+    world.nav.doubt["depth"] = "absurd"
+    world.wait(8.0)
     assert world.engine.under_way == UNSEEN
     assert again_at(8.0, world.engine.under_way).state == SURFACING
     world.nav.doubt.clear()
     world.wait(4.0)
     assert world.engine.under_way == "", "it is seen again"
+
+
+def test_a_board_that_falls_silent_at_rest_or_a_depth_that_was_off_there_leaves_nothing_under_way():
+    """On deck its board is switched off before the Pi, and its sensor may be off for days."""
+    world = at_rest(IDLE_READY)
+    world.wait(60.0, reports=False)
+    assert world.engine.under_way == ""
+    world = World(MISSION)
+    world.depth = 3.0
+    world.wait(60.0)
+    world.nav.doubt["depth"] = "absurd"
+    world.wait(8.0)
+    assert world.engine.under_way == ""
 
 
 def test_what_goes_down_by_a_depth_that_is_off_while_auto_is_closed_is_kept_for_a_restart():
