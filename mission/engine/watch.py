@@ -121,10 +121,8 @@ class Steering:
         if self.astray:
             self.words = f"heading {math.degrees(error):.0f} deg off what was set, and growing"
         elif abs(self._turned) >= _ROUND:
-            self.astray, self.words = (
-                True,
-                "it turns round and round, past the heading that was set",
-            )
+            self.astray = True
+            self.words = "it turns round and round, past the heading that was set"
 
 
 class Progress:
