@@ -32,6 +32,7 @@ from mission.model import (
     Ending,
 )
 from mission.model.regions import MANUAL
+from mission.navigation.fixes import SETTLED
 from protocol.messages import UPWARD
 
 WHY = "the program is ended"
@@ -123,7 +124,8 @@ def _is_deep(core: Core) -> bool:
     state = core.vehicle_state
     depth = state.depth
     if depth is None and not core.is_heard:
-        depth = state.believed_depth if state.submerged else None
+        floats = state.receiver.settled(core.now) >= SETTLED  # no board, and fixes on deck
+        depth = state.believed_depth if state.submerged and not floats else None
     return depth is not None and depth > DEEP
 
 

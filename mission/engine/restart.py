@@ -26,6 +26,7 @@ from mission.engine.core import Core
 from mission.engine.rest import DEEP
 from mission.model import AUTONOMOUS, STOPPED, SURFACED, UNKNOWN, By, Restarted
 from mission.model.regions import EMERGENCY, IDLE, MANUAL
+from mission.navigation.fixes import SETTLED
 
 STICK = "the stick, without a mission"  # under way in manual: a restart stops, and is idle
 UNANSWERED = "a stop without its acknowledgement"  # in idle: thrusters may still turn
@@ -53,11 +54,14 @@ def _may_have_sunk(core: Core) -> bool:
     """At rest, and nobody brings it up: no depth was believed when it came to rest; or what was up
     has reports without one (a board that is silent may be on deck, without power); or it sinks and
     AUTO is closed, which a restart opens."""
-    rest, lost = core.rest, core.vehicle_state.depth is None
+    rest, state = core.rest, core.vehicle_state
+    lost = state.depth is None and not state.contradicted  # what leapt may be on deck
     if not core.rested:  # no report has come since it came to rest
         return core.moved_blind
     blind = core.moved_blind if rest.is_dark else rest.was_up and core.is_heard and lost
-    return blind or rest.unseen or bool(rest.sinks or rest.goes_down)
+    seen = rest.sinks or rest.goes_down
+    floats = state.receiver.settled(core.now) >= SETTLED  # by fixes, whatever its depth says
+    return blind or rest.unseen or bool(seen and not floats)
 
 
 def begin_again(core: Core, before: Restarted) -> None:

@@ -14,6 +14,7 @@ import statistics
 from typing import Any, Protocol, Self
 
 from mission.engine.attitude import Attitude
+from mission.engine.standing import Standing
 from mission.engine.thrust import downward, with_thrust
 from mission.legs.base import Point, wrap
 from mission.model import (
@@ -42,7 +43,7 @@ _SCATTER = 10.0  # m (R9)
 _HDOP = 3.0  # (R9)
 FIX_AGE = 5.0  # s: an older fix is none (R9)
 WRONG_FOR = 20.0  # s that a depth may have been wrong and was believed (R5)
-_REPEATS = 8.0  # s: four reports of the AUV with the same depth
+_NEAR = 1.0  # m: a report before the surface's 0.5 m, on the way up
 _TRAVELS, _TRAVELLED = 1.0, 10.0  # m of a depth whose zero is wrong, s ago: not at the surface
 
 
@@ -115,7 +116,7 @@ class VehicleState:
         self._shallow_since: float | None = -math.inf if grounded else None
         self._shallow_from: float | None = None  # the first such depth, until there is another
         self._told: tuple[float | None, float] = None, -math.inf  # the last depth to believe; s
-        self._same_since = math.inf  # s: it says what it says
+        self._standing = Standing(stale_after)
         self._moved_at = self._expected = -math.inf  # it changed; from then on it has to
         self._offset: float | None = None  # compass minus true heading
         self._healths: dict[str, Health] = {}  # asked for at this instant
@@ -155,13 +156,15 @@ class VehicleState:
         self._notice_travel(report.t, self.moving_depth if depth is None else None)
         if self.health("depth").reason == "frozen":  # it thaws by two changes: one is a glitch
             self._expected, self._told = math.inf, (None, -math.inf)
+        before = self._told[0] if self.lives else None
         lives = depth is not None and self._has_changed(depth)
         if lives:
             self.believed_depth, self._believed_at = depth, report.t
         if depth is None or not IN_AIR < depth < SURFACE_DEPTH or not lives:
             self._shallow_since = None
         elif self._shallow_since is None or (silent and not self._grounded):
-            self._shallow_since, self._shallow_from = report.t, depth
+            near = not silent and SURFACE_DEPTH <= (before or 0.0) < _NEAR  # it came from there
+            self._shallow_since, self._shallow_from = report.t, None if near else depth
         elif depth == self._shallow_from:
             self._shallow_since = report.t  # what it may have died with proves nothing
         else:
@@ -185,8 +188,7 @@ class VehicleState:
         if depth != before is not None and self.now - at <= self.stale_after:
             self._moved_at = self.now
             self._expected = min(self._expected, math.nextafter(self.now, math.inf))
-        if depth != before:
-            self._same_since = self.now
+        self._standing = self._standing.after(self.now, at, depth != before)
         self._told = depth, self.now
         return self.lives
 
@@ -199,10 +201,8 @@ class VehicleState:
 
     @property
     def repeats(self) -> bool:
-        """The depth says the same to the last bit. Where nothing turns nobody can tell whether it
-        has frozen; what else is known may."""
-        still = self.now - self._same_since > max(_REPEATS, self.stale_after)
-        return still and not self._grounded and self.depth is not None
+        """The depth may have frozen at rest, where nothing turns that would tell."""
+        return self._standing.tells(self.now) and not self._grounded and self.depth is not None
 
     def _asked(self) -> float | None:
         """The depth that the set in force asks for, m."""

@@ -79,7 +79,7 @@ class DepthBelief:
         self._is_offset = False  # ... and they alone
         self._samples: tuple[_Sample, ...] = ()
         self._way, self._pushed_at = 0, -math.inf  # of a push that should move it, down positive
-        self._lapsed = False  # by the last report nothing pushed, and it did before
+        self._lapsed_at = -math.inf  # by one report nothing pushed, and it did before
         self._calm_at = self._still_at = math.inf  # since when nothing pushes down; drives
         self._moved_at = self._grounded_at = -math.inf
         self._heard_from = math.inf, -math.inf  # m: of the grounds that were as near as that
@@ -150,8 +150,8 @@ class DepthBelief:
             at_ground = t - self._grounded_at <= _LIES
             if (at_ground and not gone) if way > 0 else depth < FIX_DEPTH:
                 way = 0
-        lapses = not way and self._way != 0 and not self._lapsed  # one report alone is no end of it
-        self._lapsed = lapses
+        lapses = not way and self._way != 0 and t - self._lapsed_at > WINDOW  # one alone in it
+        self._lapsed_at = t if lapses else self._lapsed_at
         if way != self._way and not lapses:
             self._way, self._pushed_at = way, t
         down = push.asked is not None and push.asked > depth
@@ -165,7 +165,9 @@ class DepthBelief:
             self._grounded_at, self._heard_from = -math.inf, (math.inf, -math.inf)
             return
         high, low = self._heard_from
-        self._heard_from = high, low = min(high, depth + altitude), max(low, depth + altitude)
+        if abs(depth - self._samples[0].depth) >= 2.0 * STANDS:  # it dives: no crawl, no noise
+            high, low = min(high, depth + altitude), max(low, depth + altitude)
+            self._heard_from = high, low
         self._grounded_at = t if low - high <= _UNEVEN else -math.inf
 
     def _push(self, depth: float, push: Vertical, gone: bool) -> int:

@@ -320,6 +320,24 @@ def test_nobody_leaves_what_was_deep_in_the_last_report_that_came(led: bool, sil
         assert world.engine.settled
 
 
+@pytest.mark.parametrize("fixes", [True, False])
+def test_what_was_deep_in_the_last_report_and_has_fixes_is_on_deck(fixes: bool):
+    """Hauled in after an X, its board without power: the Pi's own receiver tells."""
+    world = World()
+    world.tell(world.report(), M)
+    world.depth = 3.0
+    world.wait(2.0)
+    world.tell(X)
+    world.wait(4.0)
+    world.wait(5.0, reports=False)
+    for second in range(20):
+        if fixes:
+            world.tell(world.fix(0.7 * second))
+        world.wait(1.0, reports=False)
+    world.tell(Ending())
+    assert world.engine.settled is fixes
+
+
 def test_a_depth_that_reports_say_and_nobody_believes_keeps_no_program_with_the_stick():
     """An unknown depth turns no thruster: it may be on deck."""
     world = World()

@@ -12,6 +12,7 @@ from mission.engine.rest import Rest
 from mission.engine.restart import STICK, UNSEEN
 from mission.legs import Surface
 from mission.model import (
+    CONTRADICTED,
     IDLE_EMPTY,
     IDLE_READY,
     MANUAL_WAITING,
@@ -777,6 +778,30 @@ def test_a_board_that_falls_silent_at_rest_or_a_depth_that_was_off_there_leaves_
     world.nav.doubt["depth"] = "absurd"
     world.wait(8.0)
     assert world.engine.under_way == ""
+
+
+def test_a_depth_that_is_contradicted_leaves_nothing_under_way():
+    """It leapt on deck, say; a further program would believe it."""
+    world = World(MISSION)
+    world.depth = 0.2
+    world.wait(60.0)
+    world.nav.doubt["depth"] = f"{CONTRADICTED}: it leapt"
+    world.wait(60.0)
+    assert world.engine.under_way == ""
+
+
+def test_what_seems_to_sink_while_auto_is_closed_and_fixes_come_leaves_nothing_under_way():
+    """A depth that drifts on deck."""
+    world = let_go_in_idle("begun")
+    world.tell(AutoNode(False))
+    told_fixes(world, 10)
+    for second in range(40):
+        world.depth = 0.2 + 0.1 * second
+        told_fixes(world, 1, 10 + second)
+    assert world.engine.core.rest.sinks
+    assert world.engine.under_way == ""
+    world.wait(10.0)
+    assert world.engine.under_way == UNSEEN
 
 
 def test_what_goes_down_by_a_depth_that_is_off_while_auto_is_closed_is_kept_for_a_restart():

@@ -355,7 +355,7 @@ def test_a_depth_that_dies_at_zero_within_reach_of_the_surface_proves_none():
 def test_where_the_depth_has_died_at_zero_a_fix_still_proves_the_surface():
     vehicle_state = VehicleState(Navigation())
     vehicle_state.rising_since = 9.0
-    for t, depth in ((10.0, 1.4), (12.0, 0.7), (14.0, 0.0), (16.0, 0.0), (18.0, 0.0)):
+    for t, depth in ((10.0, 1.9), (12.0, 1.2), (14.0, 0.0), (16.0, 0.0), (18.0, 0.0)):
         told(vehicle_state, t, depth=depth)
     vehicle_state.take_fix(fix(18.5))
     assert vehicle_state.surfaced(9.0)
@@ -373,6 +373,34 @@ def test_a_depth_repeats_itself_when_it_is_the_same_for_longer_than_eight_second
     grounded = VehicleState(Navigation(), grounded=True)
     for t in (10.0, 20.0, 30.0):
         assert not told(grounded, t, depth=0.0).repeats
+
+
+def test_a_depth_that_stood_for_long_and_went_on_says_nothing_by_standing_again():
+    """It is coarse, or 0 in the air."""
+    vehicle_state = VehicleState(Navigation())
+    for t in range(10, 30, 2):
+        told(vehicle_state, float(t), depth=0.0)
+    assert vehicle_state.repeats
+    told(vehicle_state, 30.0, depth=0.1)
+    for t in range(32, 90, 2):
+        told(vehicle_state, float(t), depth=0.0)
+        assert not vehicle_state.repeats
+
+
+@pytest.mark.parametrize(
+    ("before", "up"), [(0.5, True), (0.7, True), (0.999, True), (1.0, False), (3.0, False)]
+)
+def test_a_coarse_depth_proves_the_surface_by_the_report_before_it(before: float, up: bool):
+    """In steps of 0.1 m and more it is 0.0 from the first report at the surface on."""
+    vehicle_state = VehicleState(Navigation())
+    told(vehicle_state, 8.0, depth=before + 1.0)
+    vehicle_state.rising_since = 9.0
+    for t, depth in ((10.0, before), (12.0, 0.0), (14.0, 0.0), (16.0, 0.0)):
+        told(vehicle_state, t, depth=depth)
+    vehicle_state.at(17.999)
+    assert not vehicle_state.surfaced(9.0)
+    told(vehicle_state, 18.0, depth=0.0)
+    assert vehicle_state.surfaced(9.0) is up
 
 
 def test_what_reports_rarely_repeats_itself_only_once_a_report_is_too_old():

@@ -210,6 +210,23 @@ def test_an_altimeter_that_hears_itself_all_the_way_down_explains_no_depth_that_
     assert dive.go(20.0, DOWN, at(clogs_at), at(0.6)).startswith("contradicted: the verticals")
 
 
+@pytest.mark.parametrize("seed", range(4))
+def test_to_crawl_along_a_slope_is_natural_where_the_altimeter_says_that_there_is_ground(seed):
+    dive = Dive(seed, 0.05)
+    dive.mains = 0.4
+    near = lambda s: max(0.05, 0.3 + dive.rng.gauss(0.0, 0.05))  # noqa: E731
+    dive.go(16.0, DOWN, sinking(0.6), lambda s: 9.9 - 0.6 * s)
+    assert dive.go(300.0, DOWN, sinking(0.02, 9.8), near) == ""
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_noise_of_an_altimeter_makes_no_other_ground(seed):
+    dive = Dive(seed, 0.05)
+    near = lambda s: max(0.05, 0.3 + dive.rng.gauss(0.0, 0.05))  # noqa: E731
+    dive.go(16.0, DOWN, sinking(0.6), lambda s: 9.9 - 0.6 * s)
+    assert dive.go(1200.0, DOWN, at(9.8), near) == ""
+
+
 def test_ground_that_was_heard_far_off_in_between_is_another_one():
     dive = Dive(noise=0.03)
     dive.go(60.0, DOWN, at(6.0), at(0.3))
@@ -235,6 +252,15 @@ def test_a_push_that_lapses_for_one_report_goes_on_and_for_two_it_has_ended(push
     for _ in range(20):
         assert dive.go(8.0, push, depth) == ""
         assert dive.go(4.0, REST, depth) == ""
+
+
+@pytest.mark.parametrize("every", [2, 3])
+def test_a_depth_that_is_held_by_thrust_that_goes_on_and_off_is_natural(every: int):
+    dive = Dive(noise=0.05)
+    dive.go(20.0, REST, at(10.0))
+    for report in range(300):
+        push = Vertical(0.0, 10.0) if report % every == 0 else DOWN
+        assert dive.go(2.0, push, at(10.0)) == ""
 
 
 def test_a_slope_under_way_a_step_of_the_ground_and_a_slow_altimeter_are_natural():

@@ -28,33 +28,12 @@ from protocol.messages import (
     StoreQuery,
     Telemetry,
 )
-from protocol.modem import Sender, wrap
 from protocol.topside import ConsoleCodec, encode
 
 
 @pytest.fixture
 def pi() -> Pi:
     return Pi()
-
-
-@pytest.mark.parametrize("known", [True, False])
-@pytest.mark.parametrize("piece", [1, 16, 64, 259])
-def test_a_mission_by_modem_is_foreseen_at_the_last_byte_of_its_envelope(
-    pi: Pi, known: bool, piece: int
-) -> None:
-    """An envelope's lines all count with its last byte; serve never tells of the modem coming."""
-    lines = [encode(MissionLine(len(LINES), i + 1, line)) for i, line in enumerate(LINES)]
-    burst = wrap(b"".join(lines), Sender.TOPSIDE)
-    if not known:
-        pi.topside.disconnected(WATER)
-    pieces = [burst[at : at + piece] for at in range(0, len(burst), piece)]
-    for part in pieces[:-1]:
-        assert pi.topside.foresee(WATER, part, 0.0) == ()
-        pi.topside.receive(WATER, part, 0.0, 0.0)
-    assert pi.topside.foresee(WATER, pieces[-1], 0.0) == LINES
-    assert pi.target.accepted == []
-    pi.topside.receive(WATER, pieces[-1], 0.0, 0.0)
-    assert pi.target.accepted == [LINES]
 
 
 # --- R2, R3, R4 ---------------------------------------------------------------------------

@@ -228,3 +228,16 @@ def test_what_an_earlier_program_left_is_lifted_when_nothing_is_under_way() -> N
     marker.handle_timer(1.0 + AGAIN_S)
     marker.follow("", 2.0 + AGAIN_S)
     assert store.asked == ["emergency/surfacing", ""]
+
+
+def test_an_ascent_waits_for_no_write_that_is_due_already() -> None:
+    """The disk was full as an interrupted mission went on: it still says stopped."""
+    store = Counting("emergency/stopped")
+    marker = ResumeMarker(store)
+    store.full = True
+    marker.follow(LEG, 11.0)
+    store.full = False
+    marker.follow("emergency/surfacing", 15.9)
+    assert marker.next_timer() == 15.9
+    marker.handle_timer(15.9)
+    assert store.content.under_way == "emergency/surfacing"

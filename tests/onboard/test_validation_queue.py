@@ -102,10 +102,10 @@ def test_a_mission_that_is_judged_is_stored_and_what_came_after_it_is_heard(
 class Pi:
     """A queue whose first read is always judged, and a runtime that knows X and W alone."""
 
-    def __init__(self) -> None:
+    def __init__(self, **tolerances: str) -> None:
         self.region, self.passed = IDLE, list[Rx]()
         self.jobs: list[Coroutine[None, None, None]] = []
-        self.queue = ValidationQueue(self._pass_on, self.jobs.append)
+        self.queue = ValidationQueue(self._pass_on, self.jobs.append, tolerances)
 
     @property
     def engine(self) -> Pi:
@@ -163,6 +163,23 @@ def test_an_order_that_comes_in_pieces_overtakes_with_the_last_of_them(judging: 
     judging.hear(0.6, b"$@ZA")
     judging.hear(0.7, b"WF$")
     assert judging.heard()[0] == (0.7, b"@ZAWF$")
+
+
+@pytest.mark.parametrize("nested", ["on", "off"])
+@pytest.mark.parametrize("held", [True, False])
+def test_an_order_within_a_line_of_a_mission_is_none_where_lines_are_frames(
+    nested: str, held: bool
+) -> None:
+    pi = Pi(aw_nested=nested)
+    if held:
+        pi.hear(0.0, b"@AW0301ZAF5$")
+    pi.hear(0.1, b"@AW0302@ZAWF$")
+    passed = pi.heard()
+    pi.hear(0.2, b"@ZAX0$")
+    for job in pi.jobs:
+        job.close()
+    assert passed[:1] == ([] if nested == "on" else [(0.1, b"@ZAWF$")])
+    assert pi.heard()[0] == (0.2, b"@ZAX0$")
 
 
 def test_what_is_held_goes_on_as_soon_as_another_stops_the_vehicle(judging: Pi) -> None:

@@ -147,7 +147,7 @@ def _store(context: CheckContext) -> Iterator[Finding]:
             "store",
             f"{content.under_way} was under way when serve ended",
             "serve will stop the vehicle when it starts, and bring it up if it stays deep"
-            if content.under_way in STOPS
+            if content.under_way in STOPS and not context.vehicle.drives
             else "serve will stop the vehicle when it starts; `auvmission clear` ends that"
             if context.vehicle.drives
             else "serve will surface the vehicle when it starts; `auvmission clear` "

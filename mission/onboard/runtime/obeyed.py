@@ -25,22 +25,27 @@ LATE_S = 10.0  # an envelope that holds what was obeyed is whole by then, at any
 _ORDERS = {frame: order for order, frame in EMERGENCIES.items()}
 _PLAIN = b"|".join(map(re.escape, _ORDERS))
 _NESTED = b"(?<!@AW....)(?:" + _PLAIN + b")"  # as payload of a mission line (E-F7) it is none
-_LONGEST = max(map(len, _ORDERS)) + len(b"@AW....")
+LONGEST = max(map(len, _ORDERS)) + len(b"@AW....")
 _Item = TypeVar("_Item")
+
+
+def orders(tolerances: Tolerances) -> re.Pattern[bytes]:
+    """Finds X and W among bytes."""
+    return re.compile(_NESTED if tolerances.on("aw_nested") else _PLAIN, re.DOTALL)
 
 
 class Obeyed:
     """Of one modem."""
 
     def __init__(self, tolerances: Tolerances) -> None:
-        self._order = re.compile(_NESTED if tolerances.on("aw_nested") else _PLAIN, re.DOTALL)
+        self._order = orders(tolerances)
         self._tail = b""
         self._early: list[tuple[Order, float]] = []  # obeyed, their envelope not seen yet
 
     def found(self, data: bytes) -> list[Order]:
         """Those whose last byte is among these bytes."""
         stream, before = self._tail + data, len(self._tail)
-        self._tail = stream[1 - _LONGEST :]
+        self._tail = stream[1 - LONGEST :]
         return [_ORDERS[m[0]] for m in self._order.finditer(stream) if m.end() > before]
 
     def left_of(self, content: Sequence[_Item], now: float) -> list[_Item]:

@@ -32,7 +32,8 @@ from mission.onboard.runtime.command_target import (
 )
 from mission.onboard.runtime.commander import Commander
 from mission.onboard.runtime.copies import Copies
-from mission.onboard.runtime.device_switches import LINK, NAMES, OPEN, DeviceSwitches
+from mission.onboard.runtime.device_switches import LINK as NODES
+from mission.onboard.runtime.device_switches import NAMES, OPEN, DeviceSwitches
 from mission.onboard.runtime.operator_channels import STICK, Heard, OperatorChannel, Unfit
 from mission.onboard.runtime.pending_answers import PendingAnswers
 from mission.onboard.runtime.refusals import Refusals, refused_set
@@ -106,10 +107,9 @@ class OperatorServer:
 
     def foresee(self, peer: Peer, data: bytes, now: float) -> tuple[str, ...]:
         """The set of lines that these bytes would make whole, () if none. Changes nothing."""
-        path = self._paths.get(peer) or self._new_path(peer.link)
-        if not self._uploads.may_complete(data, peer.link == MODEM):
+        if peer not in self._paths or not self._uploads.may_complete(data):
             return ()
-        return self._uploads.foresee(copy.deepcopy(path).receive(data, now), now)
+        return self._uploads.foresee(copy.deepcopy(self._paths[peer]).receive(data, now), now)
 
     def changed(self, data: bytes, now: float) -> None:
         """Bytes of the link ``nodes``."""
@@ -313,7 +313,7 @@ class OperatorServer:
         requests = self._nodes.switch(command.switches, now)
         if self._nodes.is_open("AUTO") != was_open:
             self._target.switch_auto(self._nodes.is_open("AUTO"), now)
-        self._out += [Tx(now, LINK, request, "operator @NS") for request in requests]
+        self._out += [Tx(now, NODES, request, "operator @NS") for request in requests]
         self._switching = ([peer], command)
         self._settle(now)
         return None

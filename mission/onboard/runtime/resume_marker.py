@@ -57,7 +57,7 @@ class ResumeMarker:
             self._follow_leg(now)
             return
         flew, self._kept = _region(self._kept) == AUTONOMOUS, under_way
-        if flew and under_way == SURFACING:  # a restart surfaces by either
+        if flew and under_way == SURFACING and self._due is None:  # a restart surfaces by either
             self._due = now + AGAIN_S
         elif _region(under_way) in (EMERGENCY, MANUAL) or under_way in (STICK, UNANSWERED):
             self._due = now

@@ -34,11 +34,8 @@ class Uploads:
     def missing(self) -> str:
         return self._staging.missing
 
-    def may_complete(self, data: bytes, in_pieces: bool = False) -> bool:
-        """A quick test: whether these bytes might complete a set of lines. ``in_pieces``: those of
-        an envelope, whose lines all count with its last byte, whatever that is."""
-        if in_pieces:
-            return self.is_idle
+    def may_complete(self, data: bytes) -> bool:
+        """A quick test: whether these bytes might complete a set of lines."""
         staged = self._staging
         may_begin = b"AW" in data or staged.total > 0
         enough = staged.have + data.count(b"@") + 1 >= staged.total  # one may have begun before

@@ -86,7 +86,7 @@ class Server:
         self._observer = Several(self._journal, *([observer] if observer else []))
         self._limiter, self._began = RateLimiter(time.monotonic()), time.monotonic()
         self._recording = Recording(self._tell, close_parts)
-        self.validation = ValidationQueue(self._hear, self._spawn)
+        self.validation = ValidationQueue(self._hear, self._spawn, got.configuration.tolerances)
         self._alarms = AlarmWatch(
             self._journal,
             lambda names: self._do(lambda r: r.take_alarms(names, self.now())),

@@ -19,19 +19,19 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-import re
-from collections.abc import Callable, Coroutine
+from collections.abc import Callable, Coroutine, Mapping
+from types import MappingProxyType
 from typing import Any
 
 from links.base import Rx
 from mission.model.regions import IDLE
+from mission.onboard.runtime.obeyed import LONGEST, orders
 from mission.onboard.runtime.runtime import Runtime
 from mission.onboard.serve.rate_limiter import BREAK
 from mission.onboard.uncollected import uncollected
-from protocol.topside import EMERGENCIES
+from protocol.tolerances import Tolerances
 
-_ORDER = re.compile(b"|".join(re.escape(frame) for frame in EMERGENCIES.values()))
-_TAIL = 1 - max(map(len, EMERGENCIES.values()))  # where an X or W may begin that is not whole yet
+_TAIL = 1 - LONGEST  # where an X or W may begin that is not whole yet
 _Whose = tuple[str, str]  # link and address
 
 
@@ -40,7 +40,9 @@ class ValidationQueue:
         self,
         pass_on: Callable[[Rx], None],
         spawn: Callable[[Coroutine[Any, Any, None]], None],
+        tolerances: Mapping[str, str] = MappingProxyType({}),
     ) -> None:
+        self._order = orders(Tolerances.parse(tolerances))  # a mission's line may be one: not that
         self._pass_on, self._spawn = pass_on, spawn
         self.held: dict[_Whose, list[Rx]] = {}
         self.gone: dict[_Whose, Callable[[], None]] = {}
@@ -48,12 +50,15 @@ class ValidationQueue:
     def hear(self, rx: Rx, runtime: Runtime) -> None:
         whose = rx.link, rx.address
         if (held := self.held.get(whose)) is not None:
-            heard, behind = _end_of(held) + rx.data, rx.data
-            for found in _ORDER.finditer(heard):
+            tail = _end_of(held)
+            heard, behind = tail + rx.data, rx.data
+            for found in self._order.finditer(heard):
+                if found.end() <= len(tail):  # it has been passed on
+                    continue
                 self._pass_on(rx._replace(data=BREAK + found[0]))
                 behind = BREAK + heard[found.end() :]
             held.append(rx._replace(data=behind))
-        elif (lines := runtime.foresee(rx)) and (order := _ORDER.search(rx.data)):
+        elif (lines := runtime.foresee(rx)) and (order := self._order.search(rx.data)):
             self._pass_on(rx._replace(data=BREAK + rx.data[order.start() :]))
         elif lines:
             self.held[whose] = held = [rx]
