@@ -8,6 +8,7 @@ and end on control ticks (0.2 s). What does not live here: when (settings.FaultE
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from math import cos, radians, sin
 
 from links.simulated.added_faults import ADDED_FAULTS
@@ -15,7 +16,7 @@ from links.simulated.fault import Fault, Parts
 from links.simulated.firmware.stm32 import Mode
 from links.simulated.plant import LEFT_MAIN, RIGHT_MAIN
 from links.simulated.sensors import Health, Sensor
-from links.simulated.wrong import Drifting, Late, Stuck, Wrong
+from links.simulated.wrong import Deaf, Drifting, Late, Stuck, Wrong
 
 _ROLL, _HEADING, _DEPTH, _ALTITUDE = 0, 2, 4, 5  # slots of what ``Sensors.sample`` returns
 
@@ -292,6 +293,10 @@ FAULTS: dict[str, Fault] = {
     **_looks_well("altitude", _ALTITUDE, "m", 0.05, 0.1),
     "depth_too_deep": _bent(_DEPTH, "depths read more", 1.0, "m"),
     "depth_too_shallow": _bent(_DEPTH, "depths read less", 1.0, "m", -1.0),
+    "depth_dead": _wrong(_DEPTH, "the depth says 0, whatever is true", Deaf, 0.0, "", 1.0),
+    "altitude_rings": _wrong(
+        _ALTITUDE, "the altimeter hears its own pulse", partial(Deaf, noise=0.05), 0.6, "m", 1.0
+    ),
     "stm32_silent": Fault("the board is heard no more, and goes on", _silence, _speak, duration=10),
     "stm32_hang": Fault(
         "the board hangs with its thrusters on, until the watchdog", _hang, _watchdog, duration=8

@@ -1,4 +1,4 @@
-"""What a sensor that is wrong, and looks well, makes of its value: stuck, drifting or late.
+"""What a sensor that is wrong, and looks well, makes of its value: stuck, drifting, late, or deaf.
 
 One object for each slot of ``Sensors.sample``, for as long as it is wrong. What does not live
 here: sensors that look ill (sensors.Health), constant errors (``Sensors.bent``).
@@ -27,6 +27,17 @@ class Stuck:
         if self._held != self._held:
             self._held = value
         return self._held + rng.gauss(0.0, self._noise)
+
+
+class Deaf:
+    """Says one level, whatever is true, with noise: a board that has begun anew says 0 of a sensor
+    that is gone; an altimeter without an echo hears its own pulse."""
+
+    def __init__(self, level: float, noise: float = 0.0) -> None:
+        self._level, self._noise = level, noise
+
+    def says(self, value: float, t: float, rng: Random) -> float:
+        return self._level + (rng.gauss(0.0, self._noise) if self._noise else 0.0)
 
 
 class Drifting:

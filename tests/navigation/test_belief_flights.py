@@ -2,12 +2,8 @@
 
 from __future__ import annotations
 
-from random import Random
-
 import pytest
 
-from links.simulated.fault import Fault, Parts
-from links.simulated.faults import FAULTS
 from links.simulated.settings import parse_settings
 from mission.authoring.language import parse
 from mission.authoring.prepare import prepare
@@ -113,35 +109,7 @@ def test_no_depth_of_a_flight_without_faults_is_contradicted(name: str, profile:
 
 # --- a sensor that says one thing ----------------------------------------------------------------
 
-DEPTH, ALTITUDE = 4, 5  # of what the sensors sample
 UP = {SURFACED, "autonomous/surface", "idle/ready"}  # what an ascent leads to when it has ended
-
-
-class Says:
-    """One value, whatever is true, with noise."""
-
-    def __init__(self, level: float, noise: float) -> None:
-        self._level, self._noise = level, noise
-
-    def says(self, value: float, t: float, rng: Random) -> float:
-        return self._level + rng.gauss(0.0, self._noise)
-
-
-def saying(slot: int, noise: float) -> Fault:
-    def begin(parts: Parts, level: float) -> None:
-        parts.sensors.wrong[slot] = Says(level, noise)
-
-    def end(parts: Parts, _: float) -> None:
-        parts.sensors.wrong.pop(slot, None)
-
-    return Fault("it says one value", begin, end, 0.0, "m")
-
-
-@pytest.fixture
-def one_value(monkeypatch: pytest.MonkeyPatch) -> None:
-    """``depth_dead`` says a depth to the last bit; ``altitude_rings`` hears its own pulse."""
-    monkeypatch.setitem(FAULTS, "depth_dead", saying(DEPTH, 0.0))
-    monkeypatch.setitem(FAULTS, "altitude_rings", saying(ALTITUDE, 0.05))
 
 
 SHORT = parse(
@@ -157,7 +125,6 @@ def watched(profile: str, *faults: str) -> tuple[TruePlace, ...]:
     return try_out(SHORT, load_vehicle("auv"), profile, 1, settings).track
 
 
-@pytest.mark.usefixtures("one_value")
 @pytest.mark.parametrize(
     ("profile", "at"),
     [("as-built", at) for at in (118, 122, 124, 126)]
@@ -171,7 +138,6 @@ def test_a_depth_that_dies_at_zero_on_the_way_up_ends_no_ascent(profile: str, at
     assert max(place.depth for place in track if at < place.t < at + 600.0) <= max(died, 3.0)
 
 
-@pytest.mark.usefixtures("one_value")
 @pytest.mark.parametrize("profile", PROFILES)
 def test_a_depth_that_has_died_at_zero_leaves_a_sound_vehicle_to_its_fixes(profile: str) -> None:
     at = 112 if profile == "as-built" else 102
@@ -189,7 +155,6 @@ def test_what_sinks_at_rest_with_a_frozen_depth_is_brought_up_when_its_fixes_end
     assert max(place.depth for place in track if place.t > at + 20.0) < 4.0
 
 
-@pytest.mark.usefixtures("one_value")
 @pytest.mark.parametrize("profile", PROFILES)
 @pytest.mark.parametrize("fault", ["depth_stuck@1", "depth_stuck@18", "depth_stuck@26"])
 def test_an_altimeter_that_hears_itself_hides_no_clogged_port(profile: str, fault: str) -> None:
