@@ -131,7 +131,8 @@ _RULES: Mapping[str, Broken] = {
     "unchanged depth": Broken(
         "R7: behind a restart, and in an ascent, it has to change",
         always(VehicleState, "lives", True),
-        alike=same,
+        "a shallow depth that repeats itself proves none either: each holds without the other",
+        same,
     ),
     "surface behind a restart": Broken(
         "R7: what proves it counts from 6 s on",

@@ -7,6 +7,7 @@ What does not live here: what is kept for a restart (laws), how long the program
 from __future__ import annotations
 
 from mission.model import IDLE_EMPTY, IDLE_READY, MANUAL_DRIVING, STOPPED, SURFACED, SURFACING
+from mission.model.regions import MANUAL
 from mission.verification.exhaustive.cell import Cell
 from mission.verification.exhaustive.laws import AT_ONCE, AT_SURFACE, DEEP_REST, Law, Verdict, wrong
 from mission.verification.exhaustive.lines import HELD, WATER, X, upward
@@ -31,7 +32,8 @@ def _restarts(cell: Cell) -> Verdict:
             (cell.state != SURFACING, f"the state is {cell.state}"),
             (first[: len(up)] != up, f"{first} left"),  # no depth is known yet
         )
-    idle = IDLE_READY if c.loaded else IDLE_EMPTY
+    judged = c.loaded and not c.state.startswith(MANUAL)  # a stop waits for no judge (preload)
+    idle = IDLE_READY if judged else IDLE_EMPTY
     return wrong(
         (cell.state != (c.state if c.state in _AT_REST else idle), f"the state is {cell.state}"),
         (c.state in _AT_REST and X not in first, f"{first} left"),

@@ -91,7 +91,6 @@ SEEN = [
     ("sank unseen", "sinks_unseen", 0, "lost", "in idle"),
     ("moving depth", "heavy_beside", 0, "lost", "deep at the end"),
     ("depth that moves", "heavy_and_clogged", 0, "lost", "deep at the end"),
-    ("unchanged depth", "restarted_frozen", 0, "unlawful", "surfaced, said"),
     ("fixes too early", "blind_and_wandering", 0, "unlawful", "surfaced, said"),
     ("blind thrust", "heavy_and_late", 1, "lost", "deep at the end"),
     ("blind thrust", "held_up", 2, "lost", "deep at the end"),
