@@ -32,7 +32,6 @@ from mission.model import (
     Ending,
 )
 from mission.model.regions import MANUAL
-from mission.navigation.fixes import SETTLED
 from protocol.messages import UPWARD
 
 WHY = "the program is ended"
@@ -124,8 +123,8 @@ def _is_deep(core: Core) -> bool:
     state = core.vehicle_state
     depth = state.depth
     if depth is None and not core.is_heard:
-        floats = state.receiver.settled(core.now) >= SETTLED  # no board, and fixes on deck
-        depth = state.believed_depth if state.submerged and not floats else None
+        on_deck = state.receiver.at_surface(core.now)  # hauled in, its board without power
+        depth = state.believed_depth if state.submerged and not on_deck else None
     return depth is not None and depth > DEEP
 
 

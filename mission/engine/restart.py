@@ -26,7 +26,6 @@ from mission.engine.core import Core
 from mission.engine.rest import DEEP
 from mission.model import AUTONOMOUS, STOPPED, SURFACED, UNKNOWN, By, Restarted
 from mission.model.regions import EMERGENCY, IDLE, MANUAL
-from mission.navigation.fixes import SETTLED
 
 STICK = "the stick, without a mission"  # under way in manual: a restart stops, and is idle
 UNANSWERED = "a stop without its acknowledgement"  # in idle: thrusters may still turn
@@ -59,9 +58,8 @@ def _may_have_sunk(core: Core) -> bool:
     if not core.rested:  # no report has come since it came to rest
         return core.moved_blind
     blind = core.moved_blind if rest.is_dark else rest.was_up and core.is_heard and lost
-    seen = rest.sinks or rest.goes_down
-    floats = state.receiver.settled(core.now) >= SETTLED  # by fixes, whatever its depth says
-    return blind or rest.unseen or bool(seen and not floats)
+    seen = bool(rest.sinks or rest.goes_down)
+    return blind or rest.unseen or (seen and not state.receiver.at_surface(core.now))
 
 
 def begin_again(core: Core, before: Restarted) -> None:

@@ -29,7 +29,7 @@ from mission.model import (
 )
 from mission.model.copies import copied
 from mission.model.vehicle import STALE_AFTER
-from mission.navigation.fixes import FIX_DEPTH, SETTLED, Receiver, metres
+from mission.navigation.fixes import FIX_DEPTH, Receiver, metres
 from protocol.messages import Aid, Fix, Setpoint, Telemetry
 
 SURFACE_DEPTH = 0.5  # m (R7)
@@ -249,7 +249,7 @@ class VehicleState:
         if depth is not None and (depth >= FIX_DEPTH or self.lives):
             return self.receiver.fresh and depth < FIX_DEPTH
         stands = fix.t - self._travelled[1] >= _TRAVELLED
-        return stands and self.receiver.settled(fix.t) >= SETTLED and self._may_be_up(fix.t)
+        return stands and self.receiver.at_surface(fix.t) and self._may_be_up(fix.t)
 
     def _notice_travel(self, now: float, depth: float | None) -> None:
         if depth is None:

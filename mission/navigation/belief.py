@@ -164,11 +164,11 @@ class DepthBelief:
         if altitude > _GROUND:
             self._grounded_at, self._heard_from = -math.inf, (math.inf, -math.inf)
             return
-        high, low = self._heard_from
+        least, most = self._heard_from
         if abs(depth - self._samples[0].depth) >= 2.0 * STANDS:  # it dives: no crawl, no noise
-            high, low = min(high, depth + altitude), max(low, depth + altitude)
-            self._heard_from = high, low
-        self._grounded_at = t if low - high <= _UNEVEN else -math.inf
+            least, most = min(least, depth + altitude), max(most, depth + altitude)
+            self._heard_from = least, most
+        self._grounded_at = t if most - least <= _UNEVEN else -math.inf
 
     def _push(self, depth: float, push: Vertical, gone: bool) -> int:
         """1 down, -1 up; 0 where the depth may well stand. ``gone``: it says that it is at the

@@ -72,6 +72,10 @@ class Receiver:
             return 0.0
         return last.t - self._since
 
+    def at_surface(self, now: float) -> bool:
+        """By its fixes alone."""
+        return self.settled(now) >= SETTLED
+
     def no_news(self, now: float) -> float | None:
         """s since it last said a new place: one that got stuck goes on under water. None if there
         never was one."""

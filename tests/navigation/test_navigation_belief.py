@@ -60,6 +60,11 @@ def sinking(rate: float, start: float = 0.2) -> Callable[[float], float]:
     return lambda s: start + rate * s
 
 
+def near(dive: Dive) -> Callable[[float], float]:
+    """The ground, as a noisy altimeter hears it."""
+    return lambda s: max(0.05, 0.3 + dive.rng.gauss(0.0, 0.05))
+
+
 # --- contradicted ------------------------------------------------------------------------------
 
 
@@ -214,17 +219,15 @@ def test_an_altimeter_that_hears_itself_all_the_way_down_explains_no_depth_that_
 def test_to_crawl_along_a_slope_is_natural_where_the_altimeter_says_that_there_is_ground(seed):
     dive = Dive(seed, 0.05)
     dive.mains = 0.4
-    near = lambda s: max(0.05, 0.3 + dive.rng.gauss(0.0, 0.05))  # noqa: E731
     dive.go(16.0, DOWN, sinking(0.6), lambda s: 9.9 - 0.6 * s)
-    assert dive.go(300.0, DOWN, sinking(0.02, 9.8), near) == ""
+    assert dive.go(300.0, DOWN, sinking(0.02, 9.8), near(dive)) == ""
 
 
 @pytest.mark.parametrize("seed", range(4))
 def test_noise_of_an_altimeter_makes_no_other_ground(seed):
     dive = Dive(seed, 0.05)
-    near = lambda s: max(0.05, 0.3 + dive.rng.gauss(0.0, 0.05))  # noqa: E731
     dive.go(16.0, DOWN, sinking(0.6), lambda s: 9.9 - 0.6 * s)
-    assert dive.go(1200.0, DOWN, at(9.8), near) == ""
+    assert dive.go(1200.0, DOWN, at(9.8), near(dive)) == ""
 
 
 def test_ground_that_was_heard_far_off_in_between_is_another_one():

@@ -251,17 +251,23 @@ def test_no_disk_stands_before_the_first_word_of_a_restart(during: str) -> None:
         assert b"@ZAU12$" in store.before[0]
 
 
-@pytest.mark.parametrize("during", [STICK, UNANSWERED, UNSEEN])
-def test_a_stop_of_a_restart_waits_for_no_judge_of_the_stored_mission(
-    during: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    judged: list[tuple[str, ...]] = []
+@pytest.fixture
+def judged(monkeypatch: pytest.MonkeyPatch) -> list[tuple[str, ...]]:
+    """The lines of each mission that is judged."""
+    found: list[tuple[str, ...]] = []
 
     def watched(lines: tuple[str, ...], vehicle: Vehicle) -> Chart:
-        judged.append(lines)
+        found.append(lines)
         return judge(lines, vehicle)
 
     monkeypatch.setattr("mission.onboard.runtime.mission_validator.judge", watched)
+    return found
+
+
+@pytest.mark.parametrize("during", [STICK, UNANSWERED, UNSEEN])
+def test_a_stop_of_a_restart_waits_for_no_judge_of_the_stored_mission(
+    during: str, judged: list[tuple[str, ...]]
+) -> None:
     boat = Boat(MemoryStore(Stored(LINES, under_way=during)), navigation=False)
     boat.until(2.0)
     assert b"@ZAX0$" in boat.to_vehicle()
@@ -305,15 +311,8 @@ def test_a_restart_where_everything_was_stopped_stops_it_again_and_stays(during:
 
 
 def test_the_way_up_does_not_wait_for_the_judge_of_the_stored_mission(
-    monkeypatch: pytest.MonkeyPatch,
+    judged: list[tuple[str, ...]],
 ) -> None:
-    judged: list[tuple[str, ...]] = []
-
-    def watched(lines: tuple[str, ...], vehicle: Vehicle) -> Chart:
-        judged.append(lines)
-        return judge(lines, vehicle)
-
-    monkeypatch.setattr("mission.onboard.runtime.mission_validator.judge", watched)
     boat = Boat(MemoryStore(Stored(LINES, under_way="autonomous/a")), navigation=False)
     boat.until(1.0)
     boat.runtime.set_navigation(prepare(boat.runtime), boat.now)

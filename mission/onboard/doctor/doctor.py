@@ -129,6 +129,17 @@ def _remedy(error: OSError, folder: Path) -> str:
     return f"chown or chmod {folder} for the user of serve, or name another by `folder:`"
 
 
+def _next_start(under_way: str, vehicle: Vehicle) -> str:
+    """What serve will do about it."""
+    if vehicle.drives:
+        return "serve will stop the vehicle when it starts; `auvmission clear` ends that"
+    if under_way in STOPS:
+        return "serve will stop the vehicle when it starts, and bring it up if it stays deep"
+    return (
+        "serve will surface the vehicle when it starts; `auvmission clear` at the surface ends that"
+    )
+
+
 def _store(context: CheckContext) -> Iterator[Finding]:
     running = context.running
     if running is not None:
@@ -146,12 +157,7 @@ def _store(context: CheckContext) -> Iterator[Finding]:
         yield warning(
             "store",
             f"{content.under_way} was under way when serve ended",
-            "serve will stop the vehicle when it starts, and bring it up if it stays deep"
-            if content.under_way in STOPS and not context.vehicle.drives
-            else "serve will stop the vehicle when it starts; `auvmission clear` ends that"
-            if context.vehicle.drives
-            else "serve will surface the vehicle when it starts; `auvmission clear` "
-            "at the surface ends that",
+            _next_start(content.under_way, context.vehicle),
         )
     yield ok(
         "mission", f"{len(content.lines)} lines are stored" if content.lines else "none is stored"

@@ -2,7 +2,8 @@
 
     a start      is durable before it happens, or it does not happen
     a region     is written at once; an emergency, the stick and a stop, of a mission too, by the
-                 timer that follows at once: no disk stands before a STOP or an M
+                 first timer at which the line has no word due: no disk stands before a STOP or an
+                 M. An ascent out of a mission ``AGAIN_S`` later: a restart surfaces by either
     a leg        by that timer, too, 30 of them in a row and then one every ``EVERY_S``: an SD card
                  does not bear one a second. Meanwhile no leg is named, rather than the wrong one
     a rest       in which it may have sunk at once; that it was seen again as a leg, for a depth may

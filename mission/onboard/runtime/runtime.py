@@ -9,7 +9,7 @@ Two pumps turn it: the lock-step loop of the simulation (flight) and asyncio (se
 it every byte, connection and timer with its time, and sends what it returns. Everything that went
 in and came out is recorded first (records); nothing else has an effect on what it does. What must
 be durable is durable before the Tx that says so is returned; the resume marker of an emergency
-alone is written by the timer that follows at once, so that no disk stands before a STOP.
+alone is written by a timer, behind what is due on the line: no disk stands before a STOP.
 
 What does not live here: rules of the states (engine), of the line (frontseat), of the operator
 (topside), files and sockets (store, links).

@@ -19,7 +19,7 @@ from mission.model.alarms import Condition, mask_of, standing
 from mission.model.regions import EMERGENCY, MANUAL
 from mission.model.vehicle import Vehicle
 from mission.navigation.distribution import around_95
-from mission.navigation.fixes import FIX_DEPTH, SETTLED
+from mission.navigation.fixes import FIX_DEPTH
 from mission.onboard.runtime.command_target import MODEM, Peer, one_line
 from mission.onboard.runtime.refusals import DOUBT_S
 from protocol.messages import Fix, Order, Setpoint, StateReport, Telemetry
@@ -97,7 +97,7 @@ class Situation:
         known = self._engine.core.vehicle_state
         depth = known.depth if self.telemetry is not None else None
         if depth is None:
-            return known.receiver.settled(now) >= SETTLED
+            return known.receiver.at_surface(now)
         return depth < AT_SURFACE_M or (depth < FIX_DEPTH and known.fixed(now - FRESH_FIX_S))
 
     def condition(

@@ -20,7 +20,6 @@ from __future__ import annotations
 import asyncio
 import contextlib
 from collections.abc import Callable, Coroutine, Mapping
-from types import MappingProxyType
 from typing import Any
 
 from links.base import Rx
@@ -40,7 +39,7 @@ class ValidationQueue:
         self,
         pass_on: Callable[[Rx], None],
         spawn: Callable[[Coroutine[Any, Any, None]], None],
-        tolerances: Mapping[str, str] = MappingProxyType({}),
+        tolerances: Mapping[str, str],
     ) -> None:
         self._order = orders(Tolerances.parse(tolerances))  # a mission's line may be one: not that
         self._pass_on, self._spawn = pass_on, spawn

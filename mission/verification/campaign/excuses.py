@@ -32,7 +32,7 @@ from mission.verification.rig.trace import Done, Event, Said, Told
 
 SLIGHT, SPARE = 1.0, 8.0  # N that may lift too slowly; N of lift that make a rise within a turn
 NEVER = 1e5  # s: by then what ends is over
-CONTRADICTED = 0.8  # m that a depth is off
+_CONTRADICTS = 0.8  # m that a depth is off (R5)
 MOVES = 60.0  # s in which a depth shows that it moves as the vehicle does: two rounds of an ascent
 _MOVES_STILL = ("too_deep", "too_shallow", "late")  # faults of a depth that goes on moving with it
 NEVER_BELIEVED = ("depth_silent", "depth_absurd", "depth_full_scale")
@@ -121,8 +121,8 @@ def doubted_at_rest(settings: Settings, end: float) -> bool:
 
 
 def _is_slight(fault: FaultEvent) -> bool:
-    """An offset that nothing contradicts: 0.8 m off at least (R5)."""
-    return fault.name.startswith("depth_too_") and abs(value_of(fault)) < CONTRADICTED
+    """An offset that nothing contradicts."""
+    return fault.name.startswith("depth_too_") and abs(value_of(fault)) < _CONTRADICTS
 
 
 def blind_from_its_begin(settings: Settings, events: Sequence[Event]) -> bool:
