@@ -38,6 +38,7 @@ _CLEAR_AGAIN = 4.9, 30.5  # s: 5 to 30 (R7), and what a frame takes
 _PROVED = 14  # s: what proves the surface where no depth tells is 10 s old (R7); two reports
 _AC, _ORDER = re.compile(rb"@AC\$"), re.compile(rb"@ZA(?:X0|WF)\$")
 _UNDETECTED = ("depth_too", "depth_drifting", "depth_late", "depth_stuck", "depth_inter")
+_DIED = 4.5  # m: 2 m/s between two reports are no leap (R5), and the sensor
 
 
 def surface_laws(story: Story) -> Iterator[Violation]:
@@ -147,10 +148,17 @@ def _is_cleared(story: Story, stay: Stay) -> Iterator[Violation]:
     in_vain = story.faulty(("verticals_",), t - _DOUBTED, t)  # pushes contradict a true depth
     unknown = asked and (in_vain or not story.told_in(t - STALE_AFTER, t))  # none is believed (R7)
     under = not asked and min(story.depth(t - i) for i in range(_PROVED + 1)) > _CLEAR
-    told = under and not story.faulty((*_UNDETECTED, *_REPEATING, *_WANDERING), t - _DOUBTED, t)
+    untold = story.faulty((*_UNDETECTED, *_REPEATING, *_WANDERING), t - _DOUBTED, t)
+    told = under and not untold and not _died_near(story, t)
     faulty = story.faulty(DEPTH_FAULTS, t - 10.0, t) and not told
     if depth > bound and not unknown and not faulty:
         yield Violation(UNLAWFUL, t, f"cleared {depth:.1f} m deep")
+
+
+def _died_near(story: Story, t: float) -> bool:
+    """A depth that said 0 from so near the surface on that nothing tells it from one that rose."""
+    dead = story.faults(("depth_dead",), t - _DOUBTED, t)
+    return any(story.depth(fault.begin) < _DIED for fault in dead)
 
 
 def _is_asked_twice(story: Story, t: float) -> bool:

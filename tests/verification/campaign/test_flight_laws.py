@@ -8,6 +8,7 @@ from types import SimpleNamespace
 
 import pytest
 
+from links.simulated.settings import FaultEvent
 from mission.engine import engine
 from mission.engine.core import Core
 from mission.engine.restart import begin_again
@@ -20,7 +21,7 @@ from mission.verification.campaign.leg_laws import waits
 from mission.verification.campaign.reports import Report
 from mission.verification.campaign.scene import DOWN, X, repeated, say
 from mission.verification.campaign.story import Stay
-from mission.verification.campaign.surface_laws import _is_asked_twice
+from mission.verification.campaign.surface_laws import _died_near, _is_asked_twice
 from mission.verification.rig.acts import MODEM, TOPSIDE, Act, Disturbance
 from mission.verification.rig.trace import Done, Said
 from protocol.messages import Setpoint
@@ -153,6 +154,16 @@ def test_a_first_clear_counts_where_and_when_it_may_be_repeated_and_with_no_orde
         stay_at=lambda t: stay,
     )
     assert _is_asked_twice(told, 100.0) is twice  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(("depth", "untold"), [(3.7, True), (5.0, False)])
+def test_a_depth_that_died_near_the_surface_is_not_told_from_one_that_rose(
+    depth: float, untold: bool
+) -> None:
+    """As flight 3396 of seed 6020: 3.8 m by one report, 0 by the next, and cleared by that."""
+    dead = FaultEvent("depth_dead", 90.0)
+    told = SimpleNamespace(faults=lambda *_: [dead], depth=lambda t: depth)
+    assert _died_near(told, 100.0) is untold  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("steered", [(), (6.0,), (2.0, 4.0, 6.0)])
