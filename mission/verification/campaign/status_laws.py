@@ -14,13 +14,14 @@ from mission.verification.campaign.depth_laws import DEPTH_FAULTS
 from mission.verification.campaign.excuses import SLIGHT, lift
 from mission.verification.campaign.laws import Violation
 from mission.verification.campaign.story import SAME, Stay, Story
-from mission.verification.campaign.surface_laws import UNLAWFUL
+from mission.verification.campaign.surface_laws import REPEATING, UNLAWFUL
 from mission.verification.rig.acts import TOPSIDE, Act
 
 _UNASKED = "at the surface"
 _UP, _SEEN = 1.0, 3  # m, and within s: the first fix, and a report that is 2 s old
 _DOUBTED, _SILENT = 40.0, 5.9  # s; the last report was on its way before it was told
 _TOLD = 5.0  # s from surfaced to the status
+_STUCK = 15.0  # s: of the places by which fixes prove a surface the oldest is 20 s old (R7)
 _CONTRADICT = (*DEPTH_FAULTS, "verticals_")
 
 
@@ -54,7 +55,14 @@ def _is_doubted(story: Story, t: float) -> bool:
 def _is_told(story: Story, stay: Stay, unasked: list[Tx]) -> Iterator[Violation]:
     t, due = stay.begin, stay.begin + _TOLD
     parts = any(d.act is Act.PART for d in story.done)
-    if stay.end <= due or parts or story.hindered(t - 2.0, due):
+    if stay.end <= due or parts or story.hindered(t - 2.0, due) or _is_stuck(story, t):
         return
     if not any(a.link == TOPSIDE and t - SAME <= a.t <= due for a in unasked):
         yield Violation(UNLAWFUL, t, "at the surface, and nobody was told")
+
+
+def _is_stuck(story: Story, t: float) -> bool:
+    """Surfaced by fixes alone, by a receiver that says the same place since: a moment later it
+    proves nothing any more, and the status waits for a depth or a new place."""
+    stuck = any(f.begin <= t - _STUCK for f in story.faults(REPEATING, t, t))
+    return stuck and story.faulty(_CONTRADICT, t - _DOUBTED, t)

@@ -20,6 +20,7 @@ from mission.verification.campaign.faults import fly_plan, result_of
 from mission.verification.campaign.leg_laws import waits
 from mission.verification.campaign.reports import Report
 from mission.verification.campaign.scene import DOWN, X, repeated, say
+from mission.verification.campaign.status_laws import _is_stuck
 from mission.verification.campaign.story import Stay
 from mission.verification.campaign.surface_laws import _died_near, _is_asked_twice
 from mission.verification.rig.acts import MODEM, TOPSIDE, Act, Disturbance
@@ -91,6 +92,16 @@ def test_a_surface_that_nobody_is_told_of_is_seen(monkeypatch: pytest.MonkeyPatc
     assert judged(plan) == []
     monkeypatch.setattr(Situation, "owes_report", lambda self, now: False)
     assert judged(plan) == ["unlawful: at the surface, and nobody was told"]
+
+
+@pytest.mark.parametrize(("began", "excused"), [(80.0, True), (90.0, False)])
+def test_a_status_waits_where_the_surface_was_proved_by_a_receiver_that_is_stuck_by_now(
+    began: float, excused: bool
+) -> None:
+    """As flight 17592 of seed 6020: the oldest of its four new places was 20.0 s old."""
+    stuck = FaultEvent("gps_stuck", began)
+    told = SimpleNamespace(faults=lambda *_: [stuck], faulty=lambda *_: True)
+    assert _is_stuck(told, 100.0) is excused  # type: ignore[arg-type]
 
 
 @pytest.mark.replaces
