@@ -227,12 +227,17 @@ def _ends_on_its_way_up(story: Story) -> Iterator[Violation]:
         gone = next((d.t for d in story.done if d.act is Act.LEAVE and d.t > end.t), math.inf)
         hurried = any(done.act in _ENDS_AT_ONCE for done in story.done)
         taken = any(end.t <= s.begin <= gone and s.state.startswith(MANUAL) for s in story.stays)
-        allowed = _LEFT if story.stay_at(gone - SAME).state == STOPPED else _DEEP_ENOUGH
         if hurried or taken or _is_unseen(story, gone):
             continue
-        if gone <= end.t + _STAYS and story.depth(gone) > allowed:
+        if gone <= end.t + _STAYS and story.depth(gone) > _allowed(story, gone):
             says = f"told to end in {stay.state}, and gone {story.depth(gone):.1f} m deep"
             yield Violation(UNLAWFUL, gone, says)
+
+
+def _allowed(story: Story, gone: float) -> float:
+    """m deep at the end: over 2 m it waits; what would be brought up before, before (R7)."""
+    waits = story.stay_at(gone - SAME).state == STOPPED or story.auto_closed(gone - SAME, gone)
+    return _LEFT if waits else _DEEP_ENOUGH
 
 
 def _is_unseen(story: Story, gone: float) -> bool:

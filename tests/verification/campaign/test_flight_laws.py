@@ -23,6 +23,7 @@ from mission.verification.campaign.scene import DOWN, X, repeated, say
 from mission.verification.campaign.status_laws import _is_stuck
 from mission.verification.campaign.story import Stay
 from mission.verification.campaign.surface_laws import _died_near, _is_asked_twice
+from mission.verification.campaign.word_laws import _allowed
 from mission.verification.rig.acts import MODEM, TOPSIDE, Act, Disturbance
 from mission.verification.rig.trace import Done, Said
 from protocol.messages import Setpoint
@@ -175,6 +176,19 @@ def test_a_depth_that_died_near_the_surface_is_not_told_from_one_that_rose(
     dead = FaultEvent("depth_dead", 90.0)
     told = SimpleNamespace(faults=lambda *_: [dead], depth=lambda t: depth)
     assert _died_near(told, 100.0) is untold  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("state", "closed", "most"),
+    [(SURFACED, False, 1.5), (SURFACED, True, 2.5), (STOPPED, False, 2.5)],
+)
+def test_an_end_leaves_nothing_that_would_be_brought_up(
+    state: str, closed: bool, most: float
+) -> None:
+    """As flight 8887 of seed 6323: its operator had closed AUTO, and it sank as 30 s were over."""
+    stay = Stay(state, 60.0, 100.0, SURFACING, None)
+    told = SimpleNamespace(stay_at=lambda t: stay, auto_closed=lambda *_: closed)
+    assert _allowed(told, 90.0) == most  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("steered", [(), (6.0,), (2.0, 4.0, 6.0)])
