@@ -235,7 +235,7 @@ def _ends_on_its_way_up(story: Story) -> Iterator[Violation]:
 
 
 def _allowed(story: Story, gone: float) -> float:
-    """m deep at the end: over 2 m it waits; what would be brought up before, before (R7)."""
+    """m: how deep an end may leave it; where nothing brings it up it waits from 2 m on (R7)."""
     waits = story.stay_at(gone - SAME).state == STOPPED or story.auto_closed(gone - SAME, gone)
     return _LEFT if waits else _DEEP_ENOUGH
 
