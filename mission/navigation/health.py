@@ -10,7 +10,8 @@
              the row's rate, or marked doubtful by the codec. A value that is out of rate is
              believed again once three reports in a row agree with each other: the sensor has
              come back elsewhere (a depth is then contradicted). Among reports of which more
-             than every third is absurd none is believed.
+             than every third is absurd none is believed, until three in a row agree (in a row
+             without a rate: are none of them absurd).
     contradicted  the depth alone, by what else is known (belief)
 
 Rows are the channels; a sensor is one or more channels and is as good as the worst of them.
@@ -94,8 +95,11 @@ class _Monitor:
         self.repeated = again = value == before
         self.same = self.same + moving if again else 0
         self.leapt = 0.0
+        sound = not doubt and row.low <= value <= row.high  # not what is no number, either
         near = row.rate == math.inf
-        if not near:
+        if near:
+            self.agreeing = self.agreeing + 1 if sound else 0
+        else:
             near = goes_on = _near(row, t - self.t, value, before)
             self.agreeing = self.agreeing + 1 if goes_on else 1
             if self.good_t != self.t or self.good != before:  # the last one was not believed
@@ -105,7 +109,7 @@ class _Monitor:
             elif self.jumped:  # not to be taken for the old place, in reach of which it comes
                 near = near and _apart(row, value, self.good) <= _apart(row, value, before)
         self.t, self.value = t, value
-        if doubt or not row.low <= value <= row.high:  # also what is not a number
+        if not sound:
             self._is_absurd(row)
         elif row.freezes and self.same >= _SAME - 1:
             self.reason = "frozen"

@@ -260,6 +260,22 @@ def test_among_garbage_a_value_that_fits_by_chance_is_not_believed() -> None:
     assert health.of("depth", 74.0).valid
 
 
+@pytest.mark.parametrize("garbage", [1, 2, 3, 12])
+@pytest.mark.parametrize("name", ["depth_m", "yaw_deg", "roll_deg", "temperature_c", "battery"])
+def test_no_sensor_is_lost_for_good_by_garbage_that_ends(name: str, garbage: int) -> None:
+    """Flight 6424: 11083: a battery at full scale for 25 s, and its limit never acted again."""
+    doubted = (f"{name}:range",) if name != "battery" else ()
+    spoilt: dict[str, object] = {"faults": doubted}
+    spoilt |= {} if doubted else {"batteries": (65535.0, 65535.0)}
+    sensor = {"depth_m": "depth", "yaw_deg": "heading", "roll_deg": "attitude"}.get(name, name)
+    sensor = sensor.removesuffix("_c")
+    health = after(report(0), *(report(i, **spoilt) for i in range(1, garbage + 1)))
+    assert health.of(sensor, 2.0 * garbage).reason == "absurd"
+    for i in range(garbage + 1, garbage + 4):
+        health.telemetry(report(i))
+    assert health.of(sensor, 2.0 * (garbage + 3)).valid
+
+
 def test_a_report_that_is_absurd_now_and_then_doubts_no_other() -> None:
     health = after(report(0))
     for i in range(1, 40):

@@ -35,6 +35,7 @@ NEVER = 1e5  # s: by then what ends is over
 _CONTRADICTS = 0.8  # m that a depth is off (R5)
 MOVES = 60.0  # s in which a depth shows that it moves as the vehicle does: two rounds of an ascent
 _MOVES_STILL = ("too_deep", "too_shallow", "late")  # faults of a depth that goes on moving with it
+WANDERING = ("gps_wanders", "gps2_wanders")
 NEVER_BELIEVED = ("depth_silent", "depth_absurd", "depth_full_scale")
 _GARBAGE = ("depth_full_scale", "depth_absurd", "stm32_silent")
 _SPEEDS = ("speed_log", "doppler")  # of the sensors that are added
@@ -44,6 +45,7 @@ _REPORTED = 2.0  # s within which a board reports a depth
 _UPWARD = {"documented": frozenset("UW"), "as-built": frozenset("U")}  # as built, W does not stick
 _RESTS = (STOPPED, SURFACED, MANUAL_WAITING)
 _SWITCHED, _UP = b"@ACK_NSS$", b"@ZAU12$"
+_NEWS = 20.0  # s in which a receiver has to say something new (R7)
 _TICK = 0.1  # s: a fault begins with the next tick, a word is heard whole
 _CURES = {"dives_until_stop": b"@ZAX0$"}
 
@@ -221,6 +223,19 @@ def auto_closed(events: Sequence[Event]) -> Iterator[tuple[float, float]]:
             since = None
     if since is not None:
         yield since, math.inf
+
+
+def afloat_by_fixes(settings: Settings, events: Sequence[Event]) -> bool:
+    """A program ended while AUTO was closed and a receiver said places, in truth under water: what
+    sank meanwhile may as well be on deck, and a restart turns nothing (R7)."""
+    closed = list(auto_closed(events))
+    ended = [e.t for e in events if isinstance(e, Done) and e.act is Act.KILL]
+    wanders = [f for f in settings.faults if f.name in WANDERING]
+    return any(
+        a <= t <= b and any(f.begin <= t < fault_ends(f) + _NEWS for f in wanders)
+        for t in ended
+        for a, b in closed
+    )
 
 
 def _is_answered(events: Sequence[Event], i: int) -> bool:

@@ -21,6 +21,7 @@ from mission.verification.campaign.excuses import (
     NEVER_BELIEVED,
     SLIGHT,
     SPARE,
+    afloat_by_fixes,
     blind_from_its_begin,
     dives_unseen,
     doubted_at_rest,
@@ -67,13 +68,14 @@ def _depth_at_end(trial: Trace, settings: Settings) -> float:
 
 
 def _allowed(settings: Settings, profile: str, trial: Trace) -> float:
-    """m at the end. Physics: what no word that its board obeys can lift stays down. An order: what
-    sinks while AUTO is closed is not brought up, nor does anything tame a board that dives until
-    it hears U12; nor is what sinks at rest with a depth that is not believed, or was from the
-    begin (R7). Knowledge: two of three ways push down what lies upside down, and nothing tells
-    that. What is heavy, with a sensor from which nobody can know whether it rises, has its
-    thrusters for a third to two thirds of the time: only where nothing else is wrong with what they
-    do does physics promise that it comes up by that."""
+    """m at the end. Physics: what no word that its board obeys can lift stays down. An order:
+    what sinks while AUTO is closed is not brought up (nor in idle over a restart, where fixes
+    spoke against it), nor does anything tame a board that dives until it hears U12; nor is what
+    sinks at rest with a depth that is not believed, or was from the begin (R7). Knowledge: two
+    of three ways push down what lies upside down, and nothing tells that. What is heavy, with a
+    sensor from which nobody can know whether it rises, has its thrusters for a third to two
+    thirds of the time: only where nothing else is wrong with what they do does physics promise
+    that it comes up by that."""
     floats, lifted = net(settings, NEVER), lift(settings, profile, NEVER)
     rests = not trial.state.startswith(AUTONOMOUS) and trial.state != SURFACING
     is_left = any(end == math.inf for _, end in left(trial.events))
@@ -81,6 +83,8 @@ def _allowed(settings: Settings, profile: str, trial: Trace) -> float:
     if rests and (dives or dives_unseen(settings, trial.truth.t)):
         return math.inf
     if overturned_untold(settings, trial.events):
+        return math.inf
+    if trial.state.startswith("idle") and afloat_by_fixes(settings, trial.events):
         return math.inf
     if floats > SLIGHT and lifted >= floats:
         return AFLOAT

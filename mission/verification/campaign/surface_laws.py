@@ -20,7 +20,7 @@ from mission.model import STOPPED, SURFACED, SURFACING, By
 from mission.model.regions import EMERGENCY, MANUAL
 from mission.model.vehicle import STALE_AFTER
 from mission.verification.campaign.depth_laws import DEPTH_FAULTS
-from mission.verification.campaign.excuses import NEVER_BELIEVED, SLIGHT, lift
+from mission.verification.campaign.excuses import NEVER_BELIEVED, SLIGHT, WANDERING, lift
 from mission.verification.campaign.laws import Violation
 from mission.verification.campaign.story import AGAIN, SAME, Stay, Story
 
@@ -32,7 +32,6 @@ _NEARLY = 1.2  # m: 0.8 (R7), and the sensor
 _NEW = 20.0  # s in which a program that began anew has not heard a place twice
 _DOUBTED = 40.0  # s
 _OVER, _NO_FIXES = 60.0, ("gps", "capsized")  # s, and what hides them
-_WANDERING = ("gps_wanders", "gps2_wanders")
 _START, _START_FREE, _CLEAR = 1.1, 2.6, 1.1  # m
 _CLEAR_AGAIN = 4.9, 30.5  # s: 5 to 30 (R7), and what a frame takes
 _PROVED = 14  # s: what proves the surface where no depth tells is 10 s old (R7); two reports
@@ -85,7 +84,7 @@ def _is_at_surface(story: Story, stay: Stay) -> Iterator[Violation]:
     fixed = story.deepest(t - 2.0, t) <= _FIXED
     in_vain = lift(story.settings, story.profile, t) < SLIGHT  # pushes contradict a true depth
     unknown = in_vain or not story.told_in(t - 6.0, t) or story.faulty(DEPTH_FAULTS, t - 20.0, t)
-    wanders = story.faulty(_WANDERING, t - 20.0, t)
+    wanders = story.faulty(WANDERING, t - 20.0, t)
     repeats = story.faulty(REPEATING, t - 20.0, t) and story.hindered(t - _NEW, t)
     if (wanders or repeats) and story.depth(t) < _NEARLY:
         return  # nothing contradicts fixes as at the surface
@@ -148,7 +147,7 @@ def _is_cleared(story: Story, stay: Stay) -> Iterator[Violation]:
     in_vain = story.faulty(("verticals_",), t - _DOUBTED, t)  # pushes contradict a true depth
     unknown = asked and (in_vain or not story.told_in(t - STALE_AFTER, t))  # none is believed (R7)
     under = not asked and min(story.depth(t - i) for i in range(_PROVED + 1)) > _CLEAR
-    untold = story.faulty((*_UNDETECTED, *REPEATING, *_WANDERING), t - _DOUBTED, t)
+    untold = story.faulty((*_UNDETECTED, *REPEATING, *WANDERING), t - _DOUBTED, t)
     told = under and not untold and not _died_near(story, t)
     faulty = story.faulty(DEPTH_FAULTS, t - 10.0, t) and not told
     if depth > bound and not unknown and not faulty:

@@ -298,3 +298,30 @@ def test_a_dive_that_begins_in_a_turn_of_full_thrust_costs_a_round() -> None:
         assert not spoils_a_turn(FaultEvent(name, 49.1, 60.0), [])
     assert spoils_a_turn(FaultEvent("dives_until_stop", 48.99, 60.0), words)
     assert not spoils_a_turn(FaultEvent("dives_until_up", 48.99, 60.0), words)
+
+
+@pytest.mark.parametrize(
+    ("name", "begin", "said", "excused"),
+    [
+        ("gps_wanders", 10.0, CLOSE, True),
+        ("gps2_wanders", 10.0, CLOSE, True),
+        ("gps_wanders", 60.0, CLOSE, False),
+        ("gps_wanders", 10.0, OPEN, False),
+        ("gps_stuck", 10.0, CLOSE, False),
+    ],
+)
+def test_what_sank_with_auto_closed_stays_after_a_restart_where_fixes_said_that_it_floats(
+    name: str, begin: float, said: bytes, excused: bool
+) -> None:
+    """As flight 4132 of seed 6424: 30 m deep, killed, and its receiver said places all the time."""
+    events = (
+        Said(30.0, "topside", "boat", said),
+        Tx(30.1, "topside", DONE, ""),
+        Done(50.0, Act.KILL),
+        Done(52.0, Act.BOOT),
+    )
+    sea = Settings(faults=(FaultEvent(name, begin, 1e6), FaultEvent("heavy", 35.0, 1e6, 40.0)))
+    trial = seen(events, "idle/empty")
+    deep = replace(trial, truth=trial.truth._replace(depth=30.0))
+    assert bool(lost(deep, "documented", sea)) is not excused
+    assert lost(replace(deep, state=SURFACED), "documented", sea)
