@@ -37,9 +37,10 @@ def status_laws(story: Story) -> Iterator[Violation]:
 def _is_told_up(story: Story, t: float) -> Iterator[Violation]:
     """Where no depth is believed fixes as at the surface tell, made up or not; so they do where an
     ascent ends, which surface_laws judge. A report counts until it is stale, and a cable that is
-    pulled brings no other."""
+    pulled, or a board that falls silent, brings no other."""
     state = story.stay_at(t).state
-    seen = math.ceil(_SILENT) + 1 if story.hindered(t - _SILENT, t) else _SEEN
+    late = story.hindered(t - _SILENT, t) or not story.told_in(t - _SEEN, t)
+    seen = math.ceil(_SILENT) + 1 if late else _SEEN
     shallowest = min(story.depth(t - i) for i in range(seen))
     if state != SURFACED and shallowest > _UP and not _is_doubted(story, t):
         says = f"told to be at the surface {story.depth(t):.1f} m deep, in {state}"

@@ -8,7 +8,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from links.simulated.settings import FaultEvent
+from links.simulated.settings import FaultEvent, Settings
 from mission.engine import engine
 from mission.engine.core import Core
 from mission.engine.restart import begin_again
@@ -20,7 +20,7 @@ from mission.verification.campaign.faults import fly_plan, result_of
 from mission.verification.campaign.leg_laws import waits
 from mission.verification.campaign.reports import Report
 from mission.verification.campaign.scene import DOWN, X, repeated, say
-from mission.verification.campaign.status_laws import _is_stuck
+from mission.verification.campaign.status_laws import _is_stuck, _is_told_up
 from mission.verification.campaign.story import Stay
 from mission.verification.campaign.surface_laws import _died_near, _is_asked_twice
 from mission.verification.campaign.word_laws import _allowed
@@ -189,6 +189,26 @@ def test_an_end_leaves_nothing_that_would_be_brought_up(
     stay = Stay(state, 60.0, 100.0, SURFACING, None)
     told = SimpleNamespace(stay_at=lambda t: stay, auto_closed=lambda *_: closed)
     assert _allowed(told, 90.0) == most  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("last", "hindered", "broken"),
+    [(95.0, False, False), (98.0, False, True), (98.0, True, False), (94.0, False, False)],
+)
+def test_a_vehicle_is_told_up_by_its_last_report_until_that_is_stale(
+    last: float, hindered: bool, broken: bool
+) -> None:
+    """As flight 14167 of seed 6424: 0.5 m deep by the last report, and its board silent since."""
+    told = SimpleNamespace(
+        stay_at=lambda t: SimpleNamespace(state=STOPPED),
+        told_in=lambda begin, end: [last] if begin <= last <= end else [],
+        hindered=lambda begin, end: hindered,
+        depth=lambda t: max(t - 95.5, 0.5),
+        settings=Settings(),
+        profile="documented",
+        faulty=lambda *_: False,
+    )
+    assert bool(list(_is_told_up(told, 100.0))) is broken  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("steered", [(), (6.0,), (2.0, 4.0, 6.0)])
