@@ -46,6 +46,7 @@ _UPWARD = {"documented": frozenset("UW"), "as-built": frozenset("U")}  # as buil
 _RESTS = (STOPPED, SURFACED, MANUAL_WAITING)
 _SWITCHED, _UP = b"@ACK_NSS$", b"@ZAU12$"
 _NEWS = 20.0  # s in which a receiver has to say something new (R7)
+_TURNED = 110.0  # deg off that read as upside down: 120 (R7), less what it rolls
 _TICK = 0.1  # s: a fault begins with the next tick, a word is heard whole
 _CURES = {"dives_until_stop": b"@ZAX0$"}
 
@@ -151,6 +152,14 @@ def overturned_untold(settings: Settings, events: Sequence[Event]) -> bool:
     blind = any(f.name.startswith("depth_") and f.name[6:] not in _MOVES_STILL for f in lasting)
     stuck = min((f.begin for f in lasting if blind and f.name == "roll_stuck"), default=math.inf)
     return any(f.name == "capsized" and (told < f.begin or stuck < f.begin) for f in lasting)
+
+
+def says_overturned(settings: Settings, end: float) -> bool:
+    """Its roll says so for good, and no depth tells, or one that may have been left contradicted:
+    then it is let go and nothing else (R7), whatever is true. Thrust for a third of the time would
+    drive down what lies upside down, and would not lift what is heavy."""
+    turned = [f for f in settings.faults if f.name == "attitude_off" and fault_ends(f) >= NEVER]
+    return doubted_at_rest(settings, end) and any(abs(value_of(f)) > _TURNED for f in turned)
 
 
 def dives_unseen(settings: Settings, t: float) -> bool:

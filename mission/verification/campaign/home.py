@@ -30,6 +30,7 @@ from mission.verification.campaign.excuses import (
     net,
     obeys_no_stop,
     overturned_untold,
+    says_overturned,
     unknown,
 )
 from mission.verification.campaign.trial import fault_ends
@@ -83,6 +84,8 @@ def _allowed(settings: Settings, profile: str, trial: Trace) -> float:
     if rests and (dives or dives_unseen(settings, trial.truth.t)):
         return math.inf
     if overturned_untold(settings, trial.events):
+        return math.inf
+    if trial.state == SURFACING and says_overturned(settings, trial.truth.t):
         return math.inf
     if trial.state.startswith("idle") and afloat_by_fixes(settings, trial.events):
         return math.inf

@@ -301,6 +301,31 @@ def test_a_dive_that_begins_in_a_turn_of_full_thrust_costs_a_round() -> None:
 
 
 @pytest.mark.parametrize(
+    ("off", "lasts", "depth", "excused"),
+    [
+        (132.9, 1e6, "depth_stuck", True),
+        (-132.9, 1e6, "depth_stuck", True),
+        (60.0, 1e6, "depth_stuck", False),
+        (132.9, 60.0, "depth_stuck", False),
+        (132.9, 1e6, "depth_absurd", False),  # over, and known again
+    ],
+)
+def test_what_is_said_to_lie_upside_down_is_let_go_for_good_where_no_depth_tells(
+    off: float, lasts: float, depth: str, excused: bool
+) -> None:
+    """As flight 19562 of seed 6424: upright, heavy, and on the ground by a depth that leapt."""
+    faults = (
+        FaultEvent("attitude_off", 45.0, lasts, off),
+        FaultEvent(depth, 52.0, 54.0),
+        FaultEvent("heavy", 52.0, 1e6, 50.0),
+    )
+    trial = seen((), SURFACING)
+    there = [trial.truth._replace(t=float(t), depth=29.8) for t in range(2600, 2700)]
+    trial = replace(trial, track=tuple(there), truth=there[-1])
+    assert bool(lost(trial, "documented", Settings(faults=faults))) is not excused
+
+
+@pytest.mark.parametrize(
     ("name", "begin", "said", "excused"),
     [
         ("gps_wanders", 10.0, CLOSE, True),
