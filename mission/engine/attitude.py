@@ -3,7 +3,7 @@
 Beyond 90 degrees a roll is out of the range that document 000 gives it (table 3.2), so sensor
 health takes it for absurd. Three reports in a row that differ from each other and agree on it are
 taken for the truth; full-scale garbage repeats itself. What repeats itself to the last bit while
-thrust is on tells nothing more, whatever it says.
+thrust is on, or for a minute, tells nothing more, whatever it says.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ OVERTURNED = math.radians(120.0)  # |roll| or |pitch|
 _REPORTS = 3
 _FULL_CIRCLE = math.radians(180.5)  # beyond it is no angle
 _SAME = 1e-9  # rad
-_FROZEN = 4  # repeats
+_FROZEN, _STOOD = 4, 60.0  # repeats while thrust is on; s of both without it
 _BROKEN_FOR = 60.0  # s for which a sensor that said what is no angle tells nothing
 
 
@@ -26,7 +26,7 @@ class Attitude(NamedTuple):
     """What the last reports said; ``reports`` of them in a row were beyond 120 degrees. ``told``:
     there has been one; ``gone``: and the last report says nothing of it; ``broken``: when the last
     one came that was no angle, s; ``same``: how often roll, and pitch, was repeated to the last bit
-    while thrust was on."""
+    while thrust was on; ``stood``: for how long both have been so, s."""
 
     roll: float = 0.0
     pitch: float = 0.0
@@ -35,6 +35,8 @@ class Attitude(NamedTuple):
     gone: bool = False
     broken: float = -math.inf
     same: tuple[int, int] = 0, 0
+    stood: float = 0.0
+    t: float = -math.inf  # of the report
 
     @property
     def overturned(self) -> bool:
@@ -42,7 +44,7 @@ class Attitude(NamedTuple):
 
     @property
     def frozen(self) -> bool:
-        return max(self.same) >= _FROZEN
+        return max(self.same) >= _FROZEN or self.stood >= _STOOD
 
     def doubtful(self, now: float) -> bool:
         """It may be upside down: the last report says so, or tells nothing more, or one of the last
@@ -64,7 +66,9 @@ class Attitude(NamedTuple):
             repeats = _apart(roll, self.roll) < _SAME and _apart(pitch, self.pitch) < _SAME
             reports = self.reports + (not repeats or not self.reports)
         same = self._repeated(report, roll, pitch) if self.told else (0, 0)
-        return Attitude(roll, pitch, reports, told=True, broken=broken, same=same)
+        again = self.told and (roll, pitch) == (self.roll, self.pitch)
+        stood = self.stood + report.t - self.t if again else 0.0
+        return Attitude(roll, pitch, reports, True, False, broken, same, stood, report.t)
 
     def _repeated(self, report: Telemetry, roll: float, pitch: float) -> tuple[int, int]:
         (rolls, pitches), more = self.same, turns(report)

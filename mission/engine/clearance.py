@@ -58,6 +58,7 @@ class Clearance:
         self._room_since: float | None = None
         self._room = 0.0  # the least since then
         self._bottom, self._seen = 0.0, -math.inf  # m below the surface, and when it was seen
+        self._blind = False
         self._said: float | None = None  # by the last echo, m, and when
         self._echoed = -math.inf
 
@@ -71,8 +72,8 @@ class Clearance:
 
     def begin(self) -> None:
         """A set begins: unless it asks for what the one before did, nothing is held yet. The bottom
-        is where it was."""
-        self._begins = True
+        is where it was; what room there was before is no room of now."""
+        self._begins, self._room_since = True, None
 
     def blind(self, setpoint: Setpoint) -> float:
         """m: what a set with both holds without a believed altitude."""
@@ -84,14 +85,19 @@ class Clearance:
         if not is_guarded(setpoint):
             return setpoint
         now = vehicle_state.now
+        echoes = False
         if (bottom := _bottom(vehicle_state)) is not None:
             self._bottom, self._seen = bottom, now
-            self._hear(vehicle_state.telemetry)
-        if now - self._seen > ECHOES_MISSED:
+            echoes = self._hears(vehicle_state.telemetry)
+        if self._blind is not (blind := now - self._seen > ECHOES_MISSED):
+            self._blind, self._room_since = blind, None  # of the one nothing is said of the other
+        if blind:
             most = room = self.blind(setpoint)
             return at_depth(setpoint, self._hold(now, most, room))
         most = self._within(setpoint, self._bottom)
         room = self._within(setpoint, self._bottom - DEEPER_ROOM)
+        if not echoes:
+            room = min(room, self._room) if self._room_since is not None else -math.inf
         return at_depth(setpoint, self._hold(self._echoed, most, room))
 
     def _keep(self, setpoint: Setpoint) -> None:
@@ -100,9 +106,12 @@ class Clearance:
             self._held = self._room_since = None
         self._begins, self._asked = False, asked
 
-    def _hear(self, report: Telemetry | None) -> None:
-        if report is not None and report.altitude != self._said:
-            self._said, self._echoed = report.altitude, report.t
+    def _hears(self, report: Telemetry | None) -> bool:
+        """Whether the report brings an echo: what repeats is none."""
+        if report is None or report.altitude == self._said:
+            return False
+        self._said, self._echoed = report.altitude, report.t
+        return True
 
     def _within(self, setpoint: Setpoint, bottom: float) -> float:
         asked, height = setpoint.depth or 0.0, setpoint.altitude or 0.0

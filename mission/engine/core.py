@@ -16,7 +16,7 @@ from mission.engine.flying import Flying
 from mission.engine.limits import Limit
 from mission.engine.machine import Machine
 from mission.engine.rest import DEEP, DEEP_AGAIN, UNSEEN, Hold, fixes_end
-from mission.engine.vehicle_state import SURFACE_DEPTH, SURFACE_TIME
+from mission.engine.vehicle_state import IN_AIR, SURFACE_DEPTH, SURFACE_TIME
 from mission.model import (
     AUTONOMOUS,
     IDLE_EMPTY,
@@ -118,8 +118,9 @@ class Core(Flying):
     def stop_in(self, name: str, state: str, why: str, by: By = By.LIMIT) -> None:
         """emergency/stopped or surfaced; ``name`` as for ``surface``."""
         self._let_go()
-        if self.active == SURFACING and self.vehicle_state.surfaced(self.now - SURFACE_TIME):
-            self.let_go_at = self.now  # a lift at the surface, which was to be held up
+        lifted = self.active == SURFACING or state == SURFACED
+        if lifted and self.vehicle_state.surfaced(self.now - SURFACE_TIME):
+            self.let_go_at = self.now  # what thrust may have held up there
         self._to_emergency()
         self.doubted_at, self.rested = -math.inf, ""
         self._forget_sinking()
@@ -265,18 +266,18 @@ class Core(Flying):
         due, ended = self._fixes_end
         if self.now >= due and not self._depth_tells and self.auto:
             done = "let go" if self.hold is None else "held up"
-            told = (
-                "no depth is believed" if self.vehicle_state.depth is None else "the depth stands"
-            )
+            depth, told = self.vehicle_state.depth, "no depth is believed"
+            if depth is not None:
+                told = "the depth stands" if depth > IN_AIR else "the depth is above the water"
             self.surface("limit", f"{ended} since it was {done}, and {told}", By.LIMIT)
 
     @property
     def _depth_tells(self) -> bool:
-        """Whether it would show that the vehicle sinks. One that stands does not, where fixes may
-        say otherwise: the vehicle's own places are fixes by that depth alone."""
-        state, fix = self.vehicle_state, self.vehicle_state.fix
+        """Whether it would show that the vehicle sinks. One that stands or is above the water does
+        not, where fixes may say otherwise: the vehicle's own are fixes by that depth alone."""
+        state, fix, depth = self.vehicle_state, self.vehicle_state.fix, self.vehicle_state.depth
         own = fix is not None and fix.accuracy == math.inf
-        return state.depth is not None and (own or not state.repeats)
+        return depth is not None and (own or not (state.repeats or depth <= IN_AIR))
 
     @property
     def is_heard(self) -> bool:
@@ -357,7 +358,7 @@ class Core(Flying):
         stand, and refused, late or lost sets."""
         watch, run = self.watch, self.flying
         if outcome.result is not Result.LATE:
-            watch.lost = watch.lost + 1 if outcome.result is Result.LOST else 0
+            watch.count(outcome)
         stopped = outcome.command is Order.STOP and outcome.result is Result.ACCEPTED
         if stopped and self.stop_at is not None:
             self.stop_at, self.stopped_at = None, self.now

@@ -273,9 +273,9 @@ _ROWS = (
     Limit(
         "no answer",
         "the vehicle",
-        f"{LOST_MOST} commands in succession",
-        lambda w: w.lost >= LOST_MOST,
-        lambda w: f"{w.lost} commands in succession without an answer",
+        f"{LOST_MOST} commands in succession, or one word as often",
+        lambda w: w.unanswered >= LOST_MOST,
+        lambda w: f"{w.unanswered} commands in succession, or one word as often, without an answer",
         on=On.CLOCK,
     ),
     Limit(

@@ -35,7 +35,7 @@ RISEN = 0.5  # m: it rises while it comes up by so much again and again, each ti
 RISE_TIME = 20.0  # ... s
 _LASTS = 1.0  # s, and two reports
 _SMOOTH = 6.0  # s, of the depth that the deepest is compared with
-_LONGEST = 10.0  # s without a depth: its mean begins anew, not what it was before
+_LONGEST = 10.0  # s without a depth: they do not count, and its mean begins anew
 _FASTER = 1.5  # times the greatest descent rate, and ...
 _JUMP = 0.5  # ... m: more than that from one report to the next is no descent
 
@@ -95,9 +95,12 @@ class Rest:
         if not sinks:
             before = self._shallowest if math.isnan(self._depth) else math.nan
             self.begin(depth if math.isnan(before) else min(before, depth), unseen=self.unseen)
-        if not sinks or since > _LONGEST:
+        if not sinks:
             self._smooth = self._from = depth
             self._since = t
+        elif since > _LONGEST:
+            self._smooth = depth
+            self._since += since  # it may have risen meanwhile
         else:
             self._smooth += (depth - self._smooth) * min(since / _SMOOTH, 1.0)
         self._shallowest = min(self._shallowest, self._smooth)

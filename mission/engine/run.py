@@ -40,6 +40,7 @@ from mission.model import (
 )
 from mission.model.copies import copied
 from mission.model.regions import AGAIN
+from mission.model.vehicle import STALE_AFTER
 from protocol.messages import Order, Setpoint
 
 BLIND_TIME = 6.0  # s that a reading which a setpoint needs may be invalid
@@ -202,7 +203,8 @@ class Run:
                 self._wake_at(guard.next_change(values, now))
         if waiting and vehicle_state.telemetry is not None:
             for age in plan.sheet.stale_after:
-                self._wake_at(vehicle_state.telemetry.t + age + _AFTER)
+                oldest = min(age, vehicle_state.stale_after) if age == STALE_AFTER else age
+                self._wake_at(vehicle_state.telemetry.t + oldest + _AFTER)
         return None
 
     def _arises(self, handler: Edge, result: bool | None) -> bool:

@@ -21,7 +21,7 @@ from mission.model import AUTONOMOUS, Action, By, Chart, Evaluation, Step
 from mission.model.copies import copied
 from mission.model.regions import IDLE
 from mission.model.vehicle import Vehicle
-from protocol.messages import SetSafety
+from protocol.messages import Order, Setpoint, SetSafety
 from protocol.vehicles import vehicle_row
 
 Moved = tuple[tuple[str, ...], tuple[str, ...]]  # states left, states entered
@@ -125,6 +125,9 @@ class EngineState:
         self.steps.append(
             Step(self.now, self.event, evaluations, moved[0], moved[1], words, trigger, by)
         )
+        for action in actions:
+            if isinstance(action.command, Setpoint | Order):
+                self.vehicle_state.word = action.command
         self.actions += actions
         if moved[1] and (self.region != IDLE or IDLE in moved[1]):  # a load is no motion's end
             self.moved_blind = self.vehicle_state.depth is None

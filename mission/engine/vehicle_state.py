@@ -30,7 +30,7 @@ from mission.model import (
 from mission.model.copies import copied
 from mission.model.vehicle import STALE_AFTER
 from mission.navigation.fixes import FIX_DEPTH, Receiver, metres
-from protocol.messages import Aid, Fix, Setpoint, Telemetry
+from protocol.messages import Aid, Fix, Order, Setpoint, Telemetry
 
 SURFACE_DEPTH = 0.5  # m (R7)
 IN_AIR = -FIX_DEPTH  # m: no zero of a sensor to go by is off by as much (R5)
@@ -112,6 +112,7 @@ class VehicleState:
         self._believed_at = -math.inf
         self.rising_since: float | None = None  # the ascent's first word, and no other leg since
         self.command: Setpoint | None = None  # in force at the vehicle
+        self.word: Setpoint | Order | None = None  # that was said last; None under the stick
         self._position_at = -math.inf  # of the vehicle's own positions, the last one used
         self._shallow_since: float | None = -math.inf if grounded else None
         self._shallow_from: float | None = None  # the first such depth, until there is another
@@ -143,7 +144,7 @@ class VehicleState:
     def take_telemetry(self, report: Telemetry) -> None:
         silent = self._was_silent(report)
         self.telemetry = report
-        self.attitude = self.attitude.after(driven := with_thrust(report, self.command))
+        self.attitude = self.attitude.after(driven := with_thrust(report, self.word))
         if self.navigation:
             over = self.overturned  # then the same push leads the other way
             push = Vertical(None, None) if over else Vertical(downward(report), self._asked())

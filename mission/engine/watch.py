@@ -19,6 +19,7 @@ from mission.engine.bounds import Bounds
 from mission.engine.thrust import NEUTRAL, THRUSTERS, turns
 from mission.engine.vehicle_state import SURFACE_DEPTH, VehicleState
 from mission.legs.base import wrap
+from mission.model import Outcome, Result
 from mission.model.copies import copied
 from mission.model.units import GEARS
 from mission.model.vehicle import CLOSED, CLOSED_S, Vehicle
@@ -146,11 +147,22 @@ class Progress:
         if wanted is None or depth is None:
             return
         off = abs(depth - wanted)
+        if self._goes_on(depth, wanted):
+            self._nearest += off - abs(depth - (self._wanted or 0.0))
+            self._wanted = wanted
         if wanted != self._wanted or off <= self._nearest - _NEARER:
             self._wanted, self._since, self._nearest = wanted, t, off
         self.stuck = off > _OFF and t - self._since >= _STUCK_TIME
         if self.stuck:
             self.words = f"for {_STUCK_TIME:g} s no nearer to {wanted:g} m, at {depth:.1f} m"
+
+    def _goes_on(self, depth: float, wanted: float) -> bool:
+        """Another depth is asked for, near the one before and the same way off (above an uneven
+        bottom each few seconds): the time goes on."""
+        before = self._wanted
+        if before is None or before == wanted or abs(wanted - before) > _OFF:
+            return False
+        return min(before, wanted) > depth + _OFF or max(before, wanted) < depth - _OFF
 
 
 class Closing:
@@ -203,6 +215,7 @@ class Watch:
         self.topside_silence: float | None = None  # s that may pass; None: as long as it likes
         self.topside_heard = -math.inf
         self.lost = 0
+        self.lost_words: dict[bytes, int] = {}  # since the word was answered
         self.blind_since: float | None = None
         self.led_down = -math.inf  # without a depth to believe, by a set or the stick: when last
         self._dark_since = math.inf  # without one
@@ -216,14 +229,26 @@ class Watch:
     def begin(self, now: float) -> None:
         """A mission starts, or goes on: ages and counts begin anew. What has led down since a depth
         was believed stands: the start demands one, and what goes on does not."""
-        self.heard, self.lost, self.blind_since = now, 0, None
+        self.heard, self.lost, self.lost_words, self.blind_since = now, 0, {}, None
         self.topside_heard = now
         self.repeated = False
         self.descent, self.steering, self.progress = Descent(), Steering(), Progress()
 
     def set_sent(self, setpoint: Setpoint | None) -> None:
         self.sent, self.accepted_at = setpoint, None
-        self.vehicle_state.command = setpoint
+        self.vehicle_state.command = self.vehicle_state.word = setpoint
+
+    def count(self, outcome: Outcome) -> None:
+        """Of the set in force each word counts by itself, too: another's answer is none to it."""
+        lost, word = outcome.result is Result.LOST, outcome.frame[:4]
+        self.lost = self.lost + 1 if lost else 0
+        if self.sent is not None and outcome.command == self.sent:
+            self.lost_words |= {word: self.lost_words.get(word, 0) + 1 if lost else 0}
+
+    @property
+    def unanswered(self) -> int:
+        """Commands in succession, or of one word of the sets, without an answer (R8)."""
+        return max(self.lost, *self.lost_words.values()) if self.lost_words else self.lost
 
     def take_report(self) -> None:
         report = self.vehicle_state.telemetry

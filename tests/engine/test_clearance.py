@@ -256,6 +256,29 @@ def test_one_echo_is_no_room_however_often_it_is_told():
 
 
 @pytest.mark.replaces
+def test_what_repeats_says_nothing_of_a_bottom_that_seems_to_sink_with_the_vehicle():
+    """8 m again and again on the way down, over 9 m; then one wrong echo."""
+    told = [(0.0, 9.0, 8.0), (2.0, 10.0, 8.0), (4.0, 11.0, 8.0), (6.0, 12.0, 8.0), (9.0, 24.0)]
+    assert held(*told) == [6.0] * 5
+    assert held(*told, (14.0, 24.1)) == [6.0] * 5 + [8.0]
+
+
+@pytest.mark.replaces
+@pytest.mark.parametrize("blind", [True, False])
+def test_room_that_was_seen_before_an_interruption_is_none_behind_it(blind: bool):
+    """Of the stick, say, or of six seconds without an echo: a single echo is one."""
+    clearance = Clearance(10.0, 1.0)
+    seen = [(0.0, 9.0), (4.0, 13.0)]
+    seen += [(float(t), None) for t in range(11, 16)] if blind else []
+    told = [clearance.told(BOTH, Below(*one)).depth for one in seen]  # type: ignore[arg-type]
+    assert told == [6.0] * len(told)
+    if not blind:
+        clearance.begin()
+    wrong = clearance.told(BOTH, Below(16.5, 20.0))  # type: ignore[arg-type]
+    assert wrong.depth == 6.0
+
+
+@pytest.mark.replaces
 def test_the_last_bottom_stands_for_six_seconds():
     seen = [(0.0, 9.0), (6.0, None), (6.5, None), (11.0, None), (11.5, None)]
     assert held(*seen) == [6.0, 6.0, 6.0, 6.0, 7.0]

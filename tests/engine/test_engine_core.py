@@ -20,6 +20,7 @@ from mission.model import (
     Safety,
 )
 from protocol.messages import (
+    UPWARD,
     ClearMission,
     Emergency,
     Order,
@@ -162,15 +163,30 @@ def test_a_mission_that_begins_uncertain_is_answered_like_one_that_becomes_so():
 # --- what is in force at the vehicle ----------------------------------------------------------
 
 
-@pytest.mark.parametrize("order", [X, W, M])
-def test_what_takes_over_ends_the_set_that_was_in_force(order: object):
-    """Where the thrusters are not reported, they are taken to do what the last set said."""
+@pytest.mark.parametrize(
+    ("order", "thrust"), [(X, (0.0, 0.0, 0.0)), (W, (0.0, 0.0, -1.0)), (M, (0.0, 0.0, 0.0))]
+)
+def test_what_takes_over_ends_the_set_that_was_in_force(order: object, thrust: tuple[float, ...]):
+    """Where the thrusters are not reported, they are taken to do what was said last."""
     world = flying()
     world.tell(world.report(actuators=None))
     assert world.nav.report.actuators == (0.5, 0.5, 1.0)
     world.tell(order)
     world.tell(world.report(actuators=None))
-    assert world.nav.report.actuators == (0.0, 0.0, 0.0)
+    assert world.nav.report.actuators == thrust
+
+
+def test_an_ascent_thrusts_and_lets_go_where_no_report_tells() -> None:
+    """A sensor that froze is found out by thrust alone, on boards that report none, too."""
+    world = flying()
+    world.nav.doubt["depth"] = "absurd"
+    world.tell(W)
+    seen = []
+    while len(seen) < 45:
+        world.wait(1.0, reports=False)
+        world.tell(world.report(actuators=None))
+        seen.append((world.actions[-1][1].command, world.nav.report.actuators[2]))
+    assert {(Order.STOP, 0.0), (UPWARD, -1.0), (Order.SURFACE, -1.0)} == set(seen)
 
 
 def test_after_a_stop_no_depth_is_asked_for_any_more():

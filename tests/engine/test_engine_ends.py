@@ -94,12 +94,21 @@ def test_nobody_leaves_what_fixes_alone_have_proved_before_they_say_that_it_floa
     assert (world.state, world.engine.settled) == expected
 
 
-def test_an_end_at_a_proved_surface_stops_and_turns_nothing():
+@pytest.mark.parametrize("heavy", [False, True])
+def test_an_end_at_a_proved_surface_stops_and_sees_whether_it_floats(heavy: bool):
+    """Thrust may have held it up there; where it floats nothing turns."""
     world = flying_at(0.2, AFLOAT)
     before = len(world.actions)
     world.tell(Ending())
-    assert (world.state, world.engine.settled) == (SURFACED, True)
-    assert since(world, before) == [STOP]
+    assert (world.state, world.engine.settled) == (SURFACED, False)
+    while world.engine.settled is False and world.state == SURFACED:
+        world.depth += 0.1 * heavy
+        world.wait(2.0)
+    assert (world.state, world.engine.settled) == (
+        (SURFACING, False) if heavy else (SURFACED, True)
+    )
+    assert since(world, before)[0] == STOP
+    assert heavy or since(world, before) == [STOP]
 
 
 @pytest.mark.parametrize("now", [False, True])

@@ -30,6 +30,7 @@ from mission.model import (
     Outcome,
     Result,
 )
+from mission.model.shipped import load_vehicle
 from protocol.messages import Order, Setpoint
 
 LONG = 20000.0
@@ -396,6 +397,59 @@ def test_an_unanswered_frame_brings_the_whole_set_again():
     assert world.state == "autonomous/a"
     world.tell(Outcome(Result.LOST, b"@ZAF6$", entry))
     assert world.state == SURFACING
+
+
+@pytest.mark.parametrize(("answered", "lost"), [(b"@ZAS5$", True), (b"@ZAH0$", False)])
+def test_a_word_of_the_sets_that_is_never_answered_ends_the_mission_though_others_are(
+    answered: bytes, lost: bool
+) -> None:
+    """It flew on by the old heading, and said the whole set again for ever."""
+    world = World(mission(leg("a", timeout=LONG)))
+    world.answer = None
+    assert world.start()
+    (entry,) = world.commands()
+    for _ in range(2):
+        world.tell(Outcome(Result.LOST, b"@ZAH0$", entry))
+        world.tell(Outcome(Result.ACCEPTED, answered, entry))
+        assert world.state == "autonomous/a"
+    world.tell(Outcome(Result.LOST, b"@ZAH0$", entry))
+    assert (world.state == SURFACING) is lost
+
+
+def test_what_is_held_is_lost_while_the_vehicles_own_reports_are_too_old() -> None:
+    """A core board's count for 1 s: half of the time nobody knew."""
+    vehicle = replace(load_vehicle("auv"), stale_after=1.0)
+    world = World(
+        mission(
+            leg("a", when("depth", ">", 4.0, "b", held=8.0), timeout=LONG), leg("b", timeout=LONG)
+        ),
+        vehicle=vehicle,
+    )
+    assert world.start()
+    world.depth = 5.0
+    begun = world.t
+
+    def told(seconds: float) -> None:
+        """Reports for a second, and none for the rest: only what the engine asks for comes."""
+        world.nav.doubt.clear()
+        world.t += 0.5
+        world.tell(world.report())
+        world.t += 0.5
+        world.tell(world.report())
+        until, heard = world.t + seconds, world.t
+        while (due := world.engine.next_timer()) is not None and due < until:
+            world.t = due
+            if due - heard > vehicle.stale_after:
+                world.nav.doubt["depth"] = "stale"
+            world.tell()
+        world.t = until
+
+    while world.t < begun + 40.0:
+        told(3.0)
+    assert world.state == "autonomous/a"
+    while world.t < begun + 50.0:
+        told(0.0)
+    assert world.state == "autonomous/b"
 
 
 # --- steering -----------------------------------------------------------------------------

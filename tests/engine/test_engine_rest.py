@@ -473,6 +473,19 @@ def test_what_sinks_with_a_depth_that_stands_is_brought_up_when_its_fixes_end(
         assert world.engine.reason == "no fix for 8 s since it was let go, and the depth stands"
 
 
+def test_what_sinks_with_a_depth_above_the_water_is_brought_up_when_its_fixes_end() -> None:
+    """1 N too heavy, its sensor drifting into the air: on the ground before it says 2 m."""
+    world = at_rest(SURFACED)
+    world.tell(world.report(depth=0.2))
+    world.depth = -1.7
+    told_fixes(world, 10)
+    for _ in range(10):
+        world.depth += 0.05
+        world.wait(2.0)
+    assert world.state == SURFACING
+    assert "let go, and the depth is above the water" in world.engine.reason
+
+
 def test_what_is_held_up_with_a_depth_that_stands_comes_up_again_when_its_fixes_end():
     world = held_up()
     world.trembles = 0.0
@@ -1189,6 +1202,9 @@ def test_upside_down_is_what_three_reports_that_change_agree_on(reports, over: b
 @pytest.mark.parametrize(
     ("reports", "doubtful"),
     [
+        ([(170.0 + i % 2, 1.0) for i in range(3)] + [(170.0, 1.0)] * 31, True),  # for a minute
+        ([(170.0 + i % 2, 1.0) for i in range(3)] + [(170.0, 1.0)] * 29, False),
+        ([(170.0 + i % 2, 1.0) for i in range(3)] + [(170.0, 1.0 + i) for i in range(40)], False),
         ([(180.0, 180.0)] * 9, True),  # full scale
         ([(900.0, 0.0)], True),
         ([(170.0, 1.0)], True),  # not yet

@@ -11,7 +11,7 @@ from engine_world import HOME, NEUTRAL, Frame, Navigation
 from mission.engine.vehicle_state import SURFACE_DEPTH, VehicleState
 from mission.model import Health, Local, NavigationMode, Position
 from mission.navigation.fixes import FIX_DEPTH, metres
-from protocol.messages import Fix, Setpoint, Telemetry
+from protocol.messages import Fix, Order, Setpoint, Telemetry
 
 LAT, LON = math.radians(HOME.latitude_deg), math.radians(HOME.longitude_deg)
 _METRE = 1.0 / 6371008.8
@@ -544,12 +544,14 @@ def test_the_compass_says_a_true_heading_with_what_it_is_off_now():
         (Setpoint(surge=0.5, depth=0.0), (0.5, 0.5, 1.0)),
         (Setpoint(surge=0.5, altitude=0.0), (0.5, 0.5, 1.0)),
         (Setpoint(surge=0.5, heave=-0.25), (0.5, 0.5, -0.25)),
+        (Order.SURFACE, (0.0, 0.0, -1.0)),
+        (Order.STOP, (0.0, 0.0, 0.0)),
     ],
 )
 def test_thrusters_that_are_not_reported_do_what_they_were_told(command, thrust):
     navigation = Navigation()
     vehicle_state = VehicleState(navigation)
-    vehicle_state.command = command
+    vehicle_state.word = command
     told(vehicle_state, 10.0, actuators=None)
     assert navigation.report.actuators == pytest.approx(thrust)
     told(vehicle_state, 12.0)

@@ -229,7 +229,13 @@ def dived(*reports: tuple[float, float | None, float | None]) -> Progress:
         ([(0, 12.001, 10), (120, 12.001, 10)], True),
         ([(0, 5, 10), (60, 5.5, 10), (120, 5.5, 10)], False),
         ([(0, 5, 10), (60, 5.499, 10), (120, 5.499, 10)], True),
-        ([(0, 5, 10), (60, 5, 11), (120, 5, 11)], False),
+        ([(0, 5, 10), (60, 5, 11), (120, 5, 11)], True),
+        ([(0, 5, 10), *((float(t), 5, 10 - t // 30 % 2 * 2) for t in range(0, 121, 5))], True),
+        ([(0, 5, 10), (60, 5.5, 11), (120, 5.5, 10)], False),
+        ([(0, 5, 8), (60, 5.2, 10), (120, 5.4, 10)], True),
+        ([(0, 5, 10), (60, 5, 12.5), (120, 5, 12.5)], False),
+        ([(0, 5, 7.5), (60, 5, 6.5), (120, 5, 7.5)], False),
+        ([(0, 5, 7.5), (60, 8, 6.5), (120, 8, 5.5)], False),
         ([(0, 5, 10), (60, 5, None), (61, 5, 10), (120, 5, 10)], False),
         ([(0, 5, 10), (60, None, 10), (120, 5, 10)], True),
         ([(0, 5, 10), (120, None, 10)], None),
@@ -513,7 +519,10 @@ def test_whoever_was_never_heard_is_silent_and_nothing_is_lost_yet():
 def test_a_mission_that_begins_is_heard_now_and_has_lost_nothing():
     one = watch()
     one.topside_silence, one.lost, one.repeated = 3.0, 2, True
+    one.lost_words = {b"@ZAH": 3}
+    assert one.unanswered == 3
     one.begin(50.0)
+    assert one.unanswered == 0
     assert (one.heard, one.topside_heard, one.lost, one.repeated) == (50.0, 50.0, 0, False)
     assert (one.breaches, one.blind_since) == ((), None)
     assert one.descent.unexplained is None

@@ -57,6 +57,9 @@ def test_the_shallowest_is_a_mean_of_six_seconds(seen: list[Seen], sinks: bool) 
     assert bool(rested(*seen).sinks) is sinks
 
 
+STAYS = "it does not rise though everything is stopped, 8.0 m deep"
+
+
 def stays(*seen: Seen) -> list[str]:
     """What is said with each report."""
     rest, said = Rest(0.6), []
@@ -69,7 +72,7 @@ def stays(*seen: Seen) -> list[str]:
 def test_it_stays_down_when_twenty_seconds_have_brought_less_than_half_a_metre() -> None:
     assert stays(*((2.0 * n, 8.0) for n in range(11))) == [
         *[""] * 10,
-        "it does not rise though everything is stopped, 8.0 m deep",
+        STAYS,
     ]
     assert stays((0.0, 8.0), (10.0, 7.7), (20.0, 7.5)) == ["", "", ""]
     assert stays((0.0, 2.0), (10.0, 2.0), (20.0, 2.0)) == ["", "", ""]
@@ -79,6 +82,16 @@ def test_ten_seconds_without_a_depth_are_borne_and_more_begin_the_twenty_anew() 
     assert stays((0.0, 8.0), (10.0, 8.0), (20.0, 8.0))[-1]
     assert not stays((0.0, 8.0), (10.5, 8.0), (20.5, 8.0))[-1]
     assert stays((0.0, 8.0), (10.5, 8.0), (20.5, 8.0), (30.5, 8.0))[-1]
+
+
+def test_what_is_seen_in_spells_alone_stays_down_when_they_have_lasted_twenty_seconds() -> None:
+    """14 s with a depth, 12 s without one, in turn: no spell is long enough by itself."""
+    spell = [(2.0 * n, 8.0) for n in range(8)]
+    assert not stays(*spell)[-1]
+    again = [(26.0 + t, depth) for t, depth in spell]
+    assert stays(*spell, *again)[7:] == [*[""] * 4, *[STAYS] * 5]
+    risen = [(26.0 + t, 7.4) for t, _ in spell]
+    assert not stays(*spell, *risen)[-1]
 
 
 def test_a_copy_goes_its_own_way_and_what_nobody_has_seen_says_nothing() -> None:
