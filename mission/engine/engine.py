@@ -23,11 +23,11 @@ from mission.engine.bounds import Bounds
 from mission.engine.core import Core
 from mission.engine.limits import Limit, Response
 from mission.engine.machine import Machine
+from mission.engine.navigator import Navigator
 from mission.engine.orders import STICK_QUIET, obey, why_not_clear
 from mission.engine.readings import Scope
 from mission.engine.restart import begin_again, doubt, under_way
 from mission.engine.variables import VARIABLES, reading_of, reading_row
-from mission.engine.vehicle_state import Navigator
 from mission.engine.words import event_of, short
 from mission.model import (
     AUTONOMOUS,

@@ -152,6 +152,13 @@ def _voltage(watch: Watch) -> bool | None:
     return None if volts is None else volts < watch.bounds.voltage
 
 
+def _unanswered_words(watch: Watch) -> str:
+    if watch.lost >= LOST_MOST:
+        return f"{watch.lost} commands in succession without an answer"
+    word = max(watch.lost_words, key=lambda name: watch.lost_words[name])
+    return f"{watch.lost_words[word]} times {word.decode('ascii')} without an answer"
+
+
 def _time_due(watch: Watch) -> float | None:
     return None if watch.started is None else watch.started + watch.bounds.time
 
@@ -275,7 +282,7 @@ _ROWS = (
         "the vehicle",
         f"{LOST_MOST} commands in succession, or one word as often",
         lambda w: w.unanswered >= LOST_MOST,
-        lambda w: f"{w.unanswered} commands in succession, or one word as often, without an answer",
+        _unanswered_words,
         on=On.CLOCK,
     ),
     Limit(

@@ -12,10 +12,11 @@ from mission.engine.ascent import Ascent, Way
 from mission.engine.bounds import in_force
 from mission.engine.machine import Machine
 from mission.engine.monitor import LimitMonitor
+from mission.engine.navigator import Navigator
 from mission.engine.outputs import OutputKeeper
 from mission.engine.rest import Hold, Rest
 from mission.engine.run import Run
-from mission.engine.vehicle_state import Navigator, VehicleState
+from mission.engine.vehicle_state import VehicleState
 from mission.engine.words import in_words
 from mission.model import AUTONOMOUS, Action, By, Chart, Evaluation, Step
 from mission.model.copies import copied

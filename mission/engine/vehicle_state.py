@@ -11,9 +11,10 @@ from __future__ import annotations
 
 import math
 import statistics
-from typing import Any, Protocol, Self
+from typing import Self
 
 from mission.engine.attitude import Attitude
+from mission.engine.navigator import Navigator
 from mission.engine.standing import Standing
 from mission.engine.thrust import downward, with_thrust
 from mission.legs.base import Point, wrap
@@ -45,42 +46,6 @@ FIX_AGE = 5.0  # s: an older fix is none (R9)
 WRONG_FOR = 20.0  # s that a depth may have been wrong and was believed (R5)
 _NEAR = 1.0  # m: a report before the surface's 0.5 m, on the way up
 _TRAVELS, _TRAVELLED = 1.0, 10.0  # m of a depth whose zero is wrong, s ago: not at the surface
-
-
-class Frame(Protocol):
-    @property
-    def origin(self) -> Position: ...
-
-    def to_local(self, latitude: float, longitude: float) -> tuple[float, float]: ...
-
-    def to_geodetic(self, north: float, east: float) -> tuple[float, float]: ...
-
-
-class Navigator(Protocol):
-    """What the engine asks of mission.navigation.Navigation."""
-
-    @property
-    def frame(self) -> Frame | None: ...
-
-    def set_origin(self, position: Position, now: float) -> None: ...
-
-    def start_here(self, now: float) -> None: ...
-
-    def assume_current(self, most: float) -> None: ...
-
-    def telemetry(self, t: Telemetry, push: Vertical) -> None: ...
-
-    def fix(self, f: Fix) -> None: ...
-
-    def aid(self, a: Aid) -> None: ...
-
-    def estimate(self, now: float) -> Estimate | None: ...
-
-    def health(self, sensor: str, now: float) -> Health: ...
-
-    def snapshot(self) -> Any: ...
-
-    def restore(self, snapshot: Any) -> None: ...
 
 
 class VehicleState:

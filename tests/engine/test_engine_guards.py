@@ -414,6 +414,7 @@ def test_a_word_of_the_sets_that_is_never_answered_ends_the_mission_though_other
         assert world.state == "autonomous/a"
     world.tell(Outcome(Result.LOST, b"@ZAH0$", entry))
     assert (world.state == SURFACING) is lost
+    assert ("3 times @ZAH without an answer" in world.engine.reason) is lost
 
 
 def test_what_is_held_is_lost_while_the_vehicles_own_reports_are_too_old() -> None:

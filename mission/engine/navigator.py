@@ -1,0 +1,48 @@
+"""What the engine asks of navigation, and of the frame in which that reckons.
+
+What does not live here: the filter itself (mission.navigation), what the engine makes of it
+(vehicle_state).
+"""
+
+from __future__ import annotations
+
+from typing import Any, Protocol
+
+from mission.model import Estimate, Health, Position, Vertical
+from protocol.messages import Aid, Fix, Telemetry
+
+
+class Frame(Protocol):
+    @property
+    def origin(self) -> Position: ...
+
+    def to_local(self, latitude: float, longitude: float) -> tuple[float, float]: ...
+
+    def to_geodetic(self, north: float, east: float) -> tuple[float, float]: ...
+
+
+class Navigator(Protocol):
+    """What the engine asks of mission.navigation.Navigation."""
+
+    @property
+    def frame(self) -> Frame | None: ...
+
+    def set_origin(self, position: Position, now: float) -> None: ...
+
+    def start_here(self, now: float) -> None: ...
+
+    def assume_current(self, most: float) -> None: ...
+
+    def telemetry(self, t: Telemetry, push: Vertical) -> None: ...
+
+    def fix(self, f: Fix) -> None: ...
+
+    def aid(self, a: Aid) -> None: ...
+
+    def estimate(self, now: float) -> Estimate | None: ...
+
+    def health(self, sensor: str, now: float) -> Health: ...
+
+    def snapshot(self) -> Any: ...
+
+    def restore(self, snapshot: Any) -> None: ...
