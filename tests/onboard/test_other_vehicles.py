@@ -305,10 +305,10 @@ class Listener:
 def test_what_a_vehicle_says_of_its_thrusters_is_believed_before_what_it_was_told() -> None:
     listener = Listener()
     vehicle_state = VehicleState(listener)  # type: ignore[arg-type]
-    vehicle_state.command = Setpoint(surge=0.5, depth=3.0)
+    vehicle_state.word = Setpoint(surge=0.5, depth=3.0)
     vehicle_state.take_telemetry(Telemetry(0.0, depth=1.0, actuators=(0.1, 0.2)))
     vehicle_state.take_telemetry(Telemetry(1.0, depth=1.0))
-    vehicle_state.command = None
+    vehicle_state.word = None
     vehicle_state.take_telemetry(Telemetry(2.0, depth=1.0))
     thrusts = [t.actuators for t in listener.heard]
     assert thrusts == [(0.1, 0.2), (0.5, 0.5, 1.0), (0.0, 0.0, 0.0)]
