@@ -290,8 +290,7 @@ _ROWS = (
         "leak",
         "water inside",
         _leak,
-        lambda w: "water inside",
-        samples=3,
+        lambda w: "water inside",  # confirmed by the codec (R16)
         needs=frozenset({"leak"}),
     ),
     Limit(

@@ -242,7 +242,11 @@ class SensorHealth:
         return Health(True, "", now - self.monitors[names[0]].t)
 
 
+_CONFIRMED = ""  # an unknown code of a leak is one (R16): what the codec says of it counts
+_NAMED = {"yaw": "heading", "leak": _CONFIRMED}
+
+
 def _channel_of(fault: str) -> str:
     """``yaw_deg:range`` doubts the heading; codecs name fields as their documents do."""
     name = fault.partition(":")[0].rpartition("_")[0] or fault.partition(":")[0]
-    return "heading" if name == "yaw" else name
+    return _NAMED.get(name, name)

@@ -288,3 +288,9 @@ def test_an_altimeter_without_an_echo_every_other_time_is_believed_in_between() 
     for i in range(1, 40):
         health.telemetry(report(i, **({"altitude": 0.0} if i % 2 else {})))
         assert health.of("altitude", 2.0 * i).valid is (i % 2 == 0)
+
+
+def test_an_unknown_code_of_a_leak_doubts_no_leak() -> None:
+    """It counts as one (R16), so guards may go by it."""
+    health = after(*(report(i, leak=True, faults=("leak:bad_enum",)) for i in range(3)))
+    assert health.of("leak", 4.0).valid

@@ -265,8 +265,8 @@ CASES: dict[str, Case] = {
     ),
     "leak": Case(
         "water inside",
-        lambda w: reports(w, 3, leak=True),
-        lambda w: (reports(w, 2, leak=True), reports(w, 2, leak=True)),  # type: ignore[arg-type, return-value]
+        lambda w: reports(w, 1, leak=True),
+        lambda w: reports(w, 30, leak=False),  # a sample less than one
         lambda w: reports(w, 30, leak=None),
     ),
     "roll-over": Case(
