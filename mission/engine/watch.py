@@ -24,6 +24,7 @@ from mission.model.copies import copied
 from mission.model.units import GEARS
 from mission.model.vehicle import CLOSED, CLOSED_S, Vehicle
 from mission.navigation.fixes import RECENT
+from mission.navigation.health import doubted
 from protocol.messages import Fix, Setpoint, Telemetry
 
 _ALLOWANCE = 2.0  # m of momentum, waves and noise that are no descent
@@ -178,8 +179,9 @@ class Closing:
         return copied(self)
 
     def take(self, report: Telemetry) -> None:
+        doubtful = doubted(report)
         for name in CLOSED:
-            if getattr(report, name) is not None:
+            if name not in doubtful and getattr(report, name) is not None:
                 if report.t - self._last.get(name, -math.inf) > CLOSED_S:
                     self._since[name] = report.t
                 self._last[name] = report.t

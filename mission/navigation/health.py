@@ -20,7 +20,7 @@ Rows are the channels; a sensor is one or more channels and is as good as the wo
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Set
 from dataclasses import dataclass
 from types import MappingProxyType
 
@@ -168,7 +168,7 @@ class SensorHealth:
         """Takes a report in; returns the channels of it that can be believed."""
         moving = t.actuators is None or max(map(abs, t.actuators[:5]), default=0.0) > _NEUTRAL
         self.moving = moving
-        doubtful = {_channel_of(fault) for fault in t.faults} if t.faults else ()
+        doubtful = doubted(t)
         good = []
         battery = t.batteries[0] if t.batteries else None
         leak = None if t.leak is None else float(t.leak)
@@ -242,8 +242,14 @@ class SensorHealth:
         return Health(True, "", now - self.monitors[names[0]].t)
 
 
+_NONE: frozenset[str] = frozenset()
 _CONFIRMED = ""  # an unknown code of a leak is one (R16): what the codec says of it counts
-_NAMED = {"yaw": "heading", "leak": _CONFIRMED}
+_NAMED = {"yaw": "heading", "ez": "heading", "ey": "pitch", "ex": "roll", "leak": _CONFIRMED}
+
+
+def doubted(report: Telemetry) -> Set[str]:
+    """The channels that its codec has marked doubtful."""
+    return {_channel_of(fault) for fault in report.faults} if report.faults else _NONE
 
 
 def _channel_of(fault: str) -> str:

@@ -412,6 +412,13 @@ def test_thrusters_that_the_pi_itself_made_neutral_are_not_without_power(heading
     assert unconfirmed.powerless() is True
 
 
+def test_a_heading_that_its_report_flags_is_none_that_thrusters_turn_by():
+    one = closed_by_the_pi((19.0, 1.0), (19.4, 1.0))
+    for t in (19.8, 20.0):
+        heard(one, t, heading=4.9, faults=("ez_deg:out_of_range",))
+    assert one.powerless() is None
+
+
 def test_where_nothing_is_asked_of_the_thrusters_power_is_not_gone():
     one = watch()
     assert one.powerless() is None

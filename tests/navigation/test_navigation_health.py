@@ -290,6 +290,19 @@ def test_an_altimeter_without_an_echo_every_other_time_is_believed_in_between() 
         assert health.of("altitude", 2.0 * i).valid is (i % 2 == 0)
 
 
+@pytest.mark.parametrize(
+    ("name", "fault"),
+    [
+        *(("heading", f"{field}:out_of_range") for field in ("yaw_deg", "ez_deg", "heading_deg")),
+        *(("attitude", f"{field}:nan") for field in ("ex_deg", "ey_deg", "roll_deg", "pitch_deg")),
+        ("depth", "depth_m:nan"),
+    ],
+)
+def test_each_document_s_own_name_of_a_field_doubts_its_channel(name: str, fault: str) -> None:
+    health = after(report(0), report(1, faults=(fault,)))
+    assert [s for s in SENSORS if health.of(s, 2.0).reason == "absurd"] == [name]
+
+
 def test_an_unknown_code_of_a_leak_doubts_no_leak() -> None:
     """It counts as one (R16), so guards may go by it."""
     health = after(*(report(i, leak=True, faults=("leak:bad_enum",)) for i in range(3)))

@@ -148,6 +148,23 @@ def test_a_report_without_the_reading_does_not_count() -> None:
     assert closer.closed(Setpoint(depth=3.0), 2.0) == NEUTRAL
 
 
+@pytest.mark.parametrize("fault", ["ez_deg:out_of_range", "yaw_deg:out_of_range"])
+def test_a_heading_that_its_report_flags_is_not_steered_by(fault: str) -> None:
+    """It is passed over: no effort follows from it, no error grows, and for 0.5 s nothing is lost."""
+    closer, wanted = LoopCloser(loop()), Setpoint(depth=3.0, heading=1.0)
+    closer.hold(wanted)
+    for i in range(20):
+        closer.report(Telemetry(i / 20, depth=3.0, heading=1.0))
+    before = closer.closed(wanted, 0.95)
+    for i in range(20, 31):
+        closer.report(Telemetry(i / 20, depth=3.0, heading=4.0, faults=(fault,)))
+        assert (closer.closed(wanted, i / 20) == before) is (i <= 29)
+    assert closer.fault == ""
+    assert closer.closed(wanted, 1.5) == NEUTRAL
+    closer.report(Telemetry(1.55, depth=3.0, heading=1.0, faults=("ex_deg:nan",)))
+    assert closer.closed(wanted, 1.55) != NEUTRAL
+
+
 def test_each_of_two_readings_that_are_held_by_has_to_be_as_young() -> None:
     closer, wanted = LoopCloser(loop()), Setpoint(depth=3.0, heading=1.0)
     closer.hold(wanted)

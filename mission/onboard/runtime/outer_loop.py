@@ -2,7 +2,8 @@
 
     report --> filter --> error --> gain, rate, integral, trim --> effort, within its bound
 
-A depth that no vehicle can have gone to is left out; behind three in a row the filter begins anew.
+A reading that its report marks doubtful is as good as none. A depth that no vehicle can have gone to
+is left out; behind three in a row the filter begins anew.
 A report older than 0.5 s is neutral. Where the error has grown by 0.5 m, or 30 degrees, within 5 s
 of the same set, something is not as the vehicle file says it: neutral, and the set is refused. What
 it says follows from the recorded reports and their times alone.
@@ -17,6 +18,7 @@ from collections import deque
 from dataclasses import replace
 
 from mission.model.vehicle import CLOSED_S, AxisLoop, OuterLoop
+from mission.navigation.health import doubted
 from protocol.messages import Order, Setpoint, Telemetry
 
 GROWS_S = 5.0
@@ -126,9 +128,10 @@ class LoopCloser:
             axis.hold(None if self._set is None else getattr(self._set, name))
 
     def report(self, report: Telemetry) -> None:
-        values = {name: getattr(report, name) for name in self._axes}
+        doubtful = doubted(report)
         for name, axis in self._axes.items():
-            if values[name] is not None and (why := axis.report(report.t, values[name])):
+            value = None if name in doubtful else getattr(report, name)
+            if value is not None and (why := axis.report(report.t, value)):
                 self.fault = self.fault or why
 
     def closed(self, command: Setpoint | Order, now: float) -> Setpoint | Order:
