@@ -243,6 +243,55 @@ def test_an_error_that_grows_by_half_a_metre_in_5_s_ends_the_holding(
     assert closer.fault == ""
 
 
+def given_up() -> LoopCloser:
+    """3 m asked for; it rose from there for 6 s."""
+    closer = LoopCloser(loop())
+    asked(closer, 6.0, 3.0, -0.15)
+    assert closer.fault
+    return closer
+
+
+@pytest.mark.parametrize("heading", [None, 1.0])
+def test_the_set_behind_one_that_was_given_up_begins_with_no_error_of_its(
+    heading: float | None,
+) -> None:
+    closer, wanted = given_up(), Setpoint(depth=3.0, heading=heading)
+    closer.hold(wanted)
+    for i in range(121, 240):  # it comes back
+        closer.report(Telemetry(i / 20, depth=2.1 + (i - 120) / 200, heading=1.0))
+        assert closer.fault == ""
+        assert closer.closed(wanted, i / 20) != NEUTRAL
+    closer.hold(wanted)
+    for i in range(240, 400):  # and goes again
+        closer.report(Telemetry(i / 20, depth=2.7 - (i - 240) / 100, heading=1.0))
+    assert closer.fault
+
+
+def test_a_set_that_is_said_again_keeps_its_errors() -> None:
+    closer, wanted = LoopCloser(loop()), Setpoint(depth=3.0)
+    for i in range(120):
+        closer.hold(wanted)
+        closer.report(Telemetry(i / 20, depth=3.0 - i / 130))
+        if closer.fault:
+            break
+    assert closer.fault
+
+
+@pytest.mark.parametrize("gone", ["depth", "heading"])
+def test_what_grew_while_the_vehicle_was_neutral_for_want_of_a_reading_was_not_held(
+    gone: str,
+) -> None:
+    closer, wanted = LoopCloser(loop()), Setpoint(depth=3.0, heading=1.0)
+    closer.hold(wanted)
+    for i in range(160):
+        away = 60 <= i < 120
+        rise = 0.015 * min(max(i - 70, 0), 50)  # 0.75 m, from 0.5 s on
+        report = Telemetry(i / 20, depth=3.0 - rise, heading=1.0)
+        closer.report(report._replace(**{gone: None}) if away else report)  # type: ignore[arg-type]
+        assert closer.fault == ""
+    assert closer.closed(wanted, 159 / 20) != NEUTRAL
+
+
 def test_a_heading_is_held_the_short_way_round() -> None:
     closer = LoopCloser(loop())
     wanted = Setpoint(heading=math.radians(10))

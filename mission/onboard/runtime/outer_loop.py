@@ -2,11 +2,12 @@
 
     report --> filter --> error --> gain, rate, integral, trim --> effort, within its bound
 
-A reading that its report marks doubtful is as good as none. A depth that no vehicle can have gone to
-is left out; behind three in a row the filter begins anew.
+A reading that its report marks doubtful is as good as none. A depth that no vehicle can have gone
+to is left out; behind three in a row the filter begins anew.
 A report older than 0.5 s is neutral. Where the error has grown by 0.5 m, or 30 degrees, within 5 s
 of the same set, something is not as the vehicle file says it: neutral, and the set is refused. What
-it says follows from the recorded reports and their times alone.
+grew under a set that was given up, or while it was neutral, is not the next one's. What it says
+follows from the recorded reports and their times alone.
 
 What does not live here: the gains (vehicle file), who confirms axes and signs (doctor).
 """
@@ -63,6 +64,10 @@ class _Axis:
         error = self._apart(self._wanted, self._value)
         self._control(error, min(dt, _GAP_S))
         return self._grown(t, abs(error))
+
+    def forget(self) -> None:
+        """The error grows from here on."""
+        self._errors.clear()
 
     def _leapt(self, dt: float, value: float) -> bool:
         """Whether it is to be left out."""
@@ -122,12 +127,17 @@ class LoopCloser:
         return replace(command, depth=None, heading=None)
 
     def hold(self, command: Setpoint | Order) -> None:
-        """Holds this setpoint until the next."""
+        """Holds this setpoint until the next. What is said again keeps its errors, but those of one
+        that was given up."""
+        if self.fault:
+            self._forget()
         self._set, self.fault = (command if isinstance(command, Setpoint) else None), ""
         for name, axis in self._axes.items():
             axis.hold(None if self._set is None else getattr(self._set, name))
 
     def report(self, report: Telemetry) -> None:
+        if self._is_blind(report.t):
+            self._forget()  # neutral meanwhile: what grew was not held
         doubtful = doubted(report)
         for name, axis in self._axes.items():
             value = None if name in doubtful else getattr(report, name)
@@ -139,11 +149,19 @@ class LoopCloser:
         held = self._held()
         if not isinstance(command, Setpoint) or not held:
             return command
-        if self.fault or now - min(self._axes[name].heard for name in held) > CLOSED_S:
+        if self.fault or self._is_blind(now):
             return Order.STOP  # neutral, and nothing that the board holds by itself
         efforts = {_EFFORTS[name]: self._axes[name].effort for name in held}
         heave, turn = efforts.get("heave", command.heave), efforts.get("turn", command.turn)
         return replace(command, depth=None, heading=None, heave=heave, turn=turn)
+
+    def _is_blind(self, now: float) -> bool:
+        """By one at least of the readings that are held by."""
+        return any(now - self._axes[name].heard > CLOSED_S for name in self._held())
+
+    def _forget(self) -> None:
+        for axis in self._axes.values():
+            axis.forget()
 
     def _held(self) -> list[str]:
         s = self._set
