@@ -20,7 +20,7 @@ from protocol.codec import CannotEncode
 from protocol.messages import Setpoint
 from protocol.vehicles.keys import Key, Wire
 
-_WORD = re.compile(rb"@(MM|MR)([A-Z])(\d{1,5})\$")
+_WORD = re.compile(rb"@(MM|MR)([A-Z])(-?0{1,5}|\d{1,5})\$")
 LACKS = "no R and no D"
 _FULL = {"MM": 12, "MR": 5}
 _AXES = {

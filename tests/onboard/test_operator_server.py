@@ -436,6 +436,12 @@ def test_garbage_is_told_and_costs_no_good_frame(pi: Pi) -> None:
         (b"@ST,9999/12/31 23:59:59,$", b"@ACK_STN$"),
         (b"@NSXOOOOO$", b"@ACK_NSN$"),
         (b"@AW\x02\x00\x03\x00ZAF6$", b"@ACK_AWN$"),
+        (b"@AO,lamp,x,$", b"@ACK_AON$"),
+        (b"@AO,lamp,1e1,$", b"@ACK_AON$"),
+        (b"@AO,4,4,$", b"@ACK_AON$"),
+        (b"@AO,lamp,,$", b"@ACK_AON$"),
+        (b"@ST,,$", b"@ACK_STN$"),
+        (b"@NS$", b"@ACK_NSN$"),
     ],
 )
 @pytest.mark.parametrize("peer", [BOAT, WATER])
@@ -451,6 +457,10 @@ def test_a_command_with_a_value_out_of_range_is_refused_whole(
 def test_a_refused_command_that_is_alone_in_its_content_is_answered_too(pi: Pi) -> None:
     """G3: with the content it is at its end, however soon that came behind its begin."""
     assert opened(pi.hear(b"@NSXOOOOO$", 0.0, WATER)) == b"@ACK_NSN$"
+
+
+def test_an_empty_item_of_a_safety_set_is_legal(pi: Pi) -> None:
+    assert pi.hear(b"@SP,,5,,10,$") == [b"@ACK_SPP$"]
 
 
 def test_a_safety_set_with_the_wrong_count_is_not_answered(pi: Pi) -> None:

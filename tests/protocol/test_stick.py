@@ -52,6 +52,8 @@ HAS: dict[bytes, dict[str, dict[str, float]]] = {
     b"@MMU3$": {"coreboard": {"tz": -25}, "motorcan": {"fz_g": -1250}, "rov": {"f": 0.25}},
     b"@MMD12$": {"coreboard": {"tz": 100}, "motorcan": {"fz_g": 5000}, "rov": {"f": -1.0}},
     b"@MMF0$": {"coreboard": {}, "motorcan": {}, "rov": {}, "robot": {}},
+    b"@MMF-0$": {"coreboard": {}, "motorcan": {}, "rov": {}, "robot": {}},
+    b"@MRL-00$": {"coreboard": {}, "motorcan": {}, "rov": {}, "robot": {}},
 }
 NONE = [
     *(b"@MT1,-10$", b"@MDA2,-2$", b"@MDS3,20$", b"@MS120,-90$", b"@MP120,-90$"),

@@ -44,8 +44,8 @@ Heard = Command | FrameFault | Unfit
 
 STICK = "manual"  # as a refusal has it
 _STICK = re.compile(rb"@M[TDMRSP][^@$]*\$")  # whatever its value
-_ANSWERED = ("NS", "AW", "ST", "SP")  # those with values that may be unfit
-_UNFIT = ("out_of_range", "bad_enum", "non_numeric")
+_ANSWERED = ("NS", "AW", "AO", "ST", "SP")  # those with values that may be unfit
+_UNFIT = ("out_of_range", "bad_enum", "non_numeric", "empty_field")
 _LONGEST = 512  # bytes that a fault may reach back
 
 
