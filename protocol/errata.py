@@ -113,7 +113,7 @@ ERRATA = (
     Erratum("E-B3b", (_UP, _PC, _SWITCHES, _SENSOR), "two tails", "as each table prints",
             "tail002"),
     Erratum("E-B4", (_SENSOR,), "the example is an older layout that passes every check",
-            "the table; the older layout shows in the flags"),
+            "the table; the older layout shows in the flags, its depth and heading are doubtful"),
     Erratum("E-B5", (_UP, _SENSOR), "leak: 1 is a leak in the tables, 0 in the text",
             "the tables; byte 23 keeps the text's sense and is only compared", "leak002, leak23"),
     Erratum("E-B6", (_UP, _PC, _SENSOR), "X, Y in two tables, latitude, longitude in the text",

@@ -30,6 +30,7 @@ from protocol.vehicles.motorcan import KEYS as MOTOR_KEYS
 from protocol.vehicles.motorcan import PERIOD, SILENCE, MotorCodec
 
 _GPS, _INS = 1 << 1, 1 << 2  # of the valid bits
+_MISPLACED = ("depth_m:layout", "yaw_deg:layout")
 _NEEDED = {
     "ins": "attitude, heading and position come from it",
     "dvl": "what the INS knows of its way comes from it",
@@ -75,11 +76,15 @@ KEYS: Keys = MOTOR_KEYS
 def telemetry(
     values: Values, t: float, leak: bool, scale: tuple[float, float] = (1.0, 1.0)
 ) -> Telemetry:
-    """Table 4-2 in SI."""
+    """Table 4-2 in SI. In the older layout (E-B4) nothing stands in its place: depth and heading
+    are doubtful, and no position counts."""
     flags = tuple(values["flags"])
+    if older := "leak_legacy_raw:bad_enum" in flags:
+        flags += _MISPLACED
     doubtful = {flag.partition(":")[0] for flag in flags}
     latitude, longitude = (radians_of(values, name) for name in ("lat_deg", "lon_deg"))
-    known = values["valid"] & (_GPS | _INS) and not doubtful & {"lat_deg", "lon_deg", "valid"}
+    unsure = older or doubtful & {"lat_deg", "lon_deg", "valid"}
+    known = values["valid"] & (_GPS | _INS) and not unsure
     return Telemetry(
         t=t,
         depth=values["depth_m"],

@@ -6,6 +6,7 @@ import math
 
 import pytest
 
+from mission.navigation.health import SENSORS, SensorHealth
 from protocol.codec import CannotEncode
 from protocol.examples import examples
 from protocol.framing import Frame
@@ -79,6 +80,23 @@ def test_a_position_counts_while_the_board_says_gps_or_ins(valid: int, known: bo
     report = changed(lat_deg=30.0, lon_deg=120.0, valid=valid)
     expected = (math.radians(30.0), math.radians(120.0)) if known else None
     assert report.position == (pytest.approx(expected) if known else None)
+
+
+def test_a_report_of_the_older_layout_keeps_its_values_and_none_is_believed() -> None:
+    """E-B4: every check passes; nothing but byte 23 tells. A disagreement of leaks is no layout."""
+    frame = coreboard.sensor_to_main(coreboard.Tolerances())
+    place = {"lat_deg": 30.0, "lon_deg": 120.0, "valid": 2}
+    raw = frame.pack(dict(frame.decode(RAW)) | place | {"depth_m": 7.5, "leak_legacy_raw": 0x9C})
+    health = SensorHealth(frozenset(SENSORS))
+    made = board()
+    for t in range(20):
+        (report,) = made.receive(raw, t / 10)
+        assert isinstance(report, Telemetry)
+        assert not health.telemetry(report) & {"depth", "heading"}
+    assert (report.depth, report.position) == (7.5, None)
+    assert {"depth_m:layout", "yaw_deg:layout"} <= set(report.faults)
+    assert [health.of(name, 1.9).reason for name in ("depth", "heading")] == ["absurd"] * 2
+    assert changed(leak=1).faults == ("leak_legacy_raw:disagrees",)
 
 
 def test_every_source_is_a_field_of_the_report() -> None:
