@@ -188,6 +188,11 @@ class Responder:
         self._quiet = 0.0  # when an unasked word may go out
         self._latest = 0.0  # when it does, whatever noise there is
 
+    @property
+    def patience(self) -> float:
+        """s within which a content is whole, or given up (G3)."""
+        return self._codec.framer.patience
+
     def receive(self, data: bytes, now: float) -> list[Envelope | FrameFault]:
         """Requests, whose content is for the owner to read and to ``answer`` frame by frame."""
         if data:

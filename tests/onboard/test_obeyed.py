@@ -7,10 +7,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mission.onboard.runtime.command_target import MODEM
-from mission.onboard.runtime.obeyed import LATE_S
+from mission.onboard.runtime.obeyed import HELD_UP_S
 from mission.onboard.runtime.operator_channels import OperatorChannel, operator_channels
 from protocol.messages import ClearMission, DataQuery, Emergency, Order, StartMission
-from protocol.modem import Sender, wrap
+from protocol.modem import MOST, ModemCodec, Sender, wrap
 from protocol.tolerances import Tolerances
 from protocol.topside import EMERGENCIES, encode
 
@@ -97,7 +97,28 @@ def test_what_an_order_overtook_is_overtaken_in_its_own_content_alone() -> None:
     assert commands(path.receive(raw[-1:], 0.01)) == []
     assert commands(path.receive(raw, 0.02)) == [DataQuery(), STOP]
     assert commands(path.receive(X, 1.0)) == [STOP]  # bare: no content will come
-    assert commands(path.receive(raw, 1.0 + LATE_S)) == [DataQuery(), STOP]
+    late = ModemCodec().framer.patience + HELD_UP_S
+    assert commands(path.receive(raw, 1.0 + late)) == [DataQuery(), STOP]
+
+
+@pytest.mark.parametrize("baud", [115200, 9600, 1200, 300])
+def test_an_order_in_the_longest_content_is_obeyed_once_by_a_line_of_any_rate(baud: int) -> None:
+    """And the @AC that stood before it, not at all: at 1200 baud the rest takes 26 s."""
+    path = operator_channels(Tolerances(), f"serial:///dev/ttyUSB0?baud={baud}")(MODEM)
+    head, tail = encode(ClearMission()) + X, encode(DataQuery())
+    filler = tail * ((MOST - len(head)) // len(tail))
+    heard = []
+    for at, byte in enumerate(wrap(head + filler, Sender.TOPSIDE), 1):
+        heard += commands(path.receive(bytes([byte]), at * 10 / baud))
+    assert [h for h in heard if h != DataQuery()] == [STOP]
+    assert DataQuery() in heard
+
+
+def test_an_order_behind_a_false_head_is_obeyed_once_when_that_is_given_up_late() -> None:
+    path = modem()
+    heard = commands(path.receive(FALSE_HEAD + wrap(encode(ClearMission()) + X, 1), 0.0))
+    heard += commands(path.handle_timer(ModemCodec().framer.patience + 5.0))
+    assert heard == [STOP]
 
 
 def test_a_nested_mission_line_is_no_order() -> None:

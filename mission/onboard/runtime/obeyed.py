@@ -20,7 +20,7 @@ from protocol.messages import Emergency, Order
 from protocol.tolerances import Tolerances
 from protocol.topside import EMERGENCIES
 
-LATE_S = 10.0  # an envelope that holds what was obeyed is whole by then, at any baud rate
+HELD_UP_S = 10.0  # a program may be, behind the time in which a content is given up
 
 _ORDERS = {frame: order for order, frame in EMERGENCIES.items()}
 _PLAIN = b"|".join(map(re.escape, _ORDERS))
@@ -35,9 +35,10 @@ def orders(tolerances: Tolerances) -> re.Pattern[bytes]:
 
 
 class Obeyed:
-    """Of one modem."""
+    """Of one modem. ``patience``: s within which a content is whole, or given up (G3)."""
 
-    def __init__(self, tolerances: Tolerances) -> None:
+    def __init__(self, tolerances: Tolerances, patience: float) -> None:
+        self._late = patience + HELD_UP_S
         self._order = orders(tolerances)
         self._tail = b""
         self._early: list[tuple[Order, float]] = []  # obeyed, their envelope not seen yet
@@ -50,7 +51,7 @@ class Obeyed:
 
     def left_of(self, content: Sequence[_Item], now: float) -> list[_Item]:
         """What is still to be done of the commands of one content."""
-        self._early = [(order, t) for order, t in self._early if now - t < LATE_S]
+        self._early = [(order, t) for order, t in self._early if now - t < self._late]
         begin = 0
         for at, item in enumerate(content, 1):
             early = (e for e in self._early if item == Emergency(e[0]))

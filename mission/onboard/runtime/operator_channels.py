@@ -123,7 +123,8 @@ class StreamChannel:
 class ModemChannel:
     def __init__(self, tolerances: Tolerances, baud: float) -> None:
         self._responder = Responder(tolerances=tolerances, baud=baud)
-        self._tolerances, self._obeyed = tolerances, Obeyed(tolerances)
+        self._tolerances = tolerances
+        self._obeyed = Obeyed(tolerances, self._responder.patience)
 
     def receive(self, data: bytes, now: float) -> list[Heard]:
         found = self._obeyed.found(data)
