@@ -5,7 +5,8 @@
 
 Rules:
   * One request is outstanding. It is repeated when the answer has not come within
-        2 x slant range / 1500 m/s + airtime of request and of the longest answer + 2 s
+        2 x slant range / 1500 m/s + way of request and of the longest answer + 2 s
+    (a way: the airtime, and the serial lines of both modems)
     and given up after ``tries``: then it is ``NoAnswer``, nothing is assumed. What is asked must
     be harmless twice; the envelope has no number that would tell a repetition.
   * A request may be several contents in one burst, each in an envelope of its own: a wrong bit
@@ -28,7 +29,16 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from protocol.messages import FrameFault
-from protocol.modem import BAUD, MOST, OVERHEAD, Envelope, ModemCodec, Sender, wrap
+from protocol.modem import (
+    BAUD,
+    BITS_PER_BYTE,
+    MOST,
+    OVERHEAD,
+    Envelope,
+    ModemCodec,
+    Sender,
+    wrap,
+)
 from protocol.tolerances import Tolerances
 
 SOUND_SPEED = 1500.0  # m/s
@@ -44,19 +54,25 @@ WAITING = 256  # frames of the vehicle that wait to be asked for; beyond, the ol
 @dataclass(frozen=True, slots=True)
 class Acoustics:
     """What timeouts follow from. ``range_m`` is the greatest slant range that is expected;
-    ``preamble`` the seconds a modem needs before the data."""
+    ``preamble`` the seconds a modem needs before the data; ``baud`` the rate of the serial lines,
+    taken to be alike at both ends."""
 
     range_m: float
     bit_rate: float  # bit/s on the water
     preamble: float = 0.0
+    baud: float = BAUD
 
     def airtime(self, content: int) -> float:
         """Seconds on the water of a content of so many bytes, with its envelope."""
         return self.preamble + 8.0 * (content + OVERHEAD) / self.bit_rate
 
+    def way(self, content: int) -> float:
+        """Seconds through both modems, each of which takes it in whole before it says it."""
+        return self.airtime(content) + 2.0 * BITS_PER_BYTE * (content + OVERHEAD) / self.baud
+
     def patience(self, request: int, answer: int) -> float:
         travel = 2.0 * self.range_m / SOUND_SPEED
-        return travel + self.airtime(request) + self.airtime(answer) + TURNAROUND
+        return travel + self.way(request) + self.way(answer) + TURNAROUND
 
 
 # --- what an Initiator reports ---
@@ -109,7 +125,7 @@ class Initiator:
     ) -> None:
         self.acoustics = acoustics
         self._address = address
-        self._codec = ModemCodec(tolerances)
+        self._codec = ModemCodec(tolerances, acoustics.baud)
         self._request: _Outstanding | None = None
 
     @property

@@ -30,7 +30,7 @@ MOST = 3200  # bytes of content
 OVERHEAD = 7
 IDLE = 1.0  # s (G3)
 BAUD = 115200
-_BITS_PER_BYTE = 10  # 8N1
+BITS_PER_BYTE = 10  # 8N1
 
 
 class Sender(enum.IntEnum):
@@ -114,7 +114,7 @@ class ModemCodec:
     """Bytes of the modem's serial port in, envelopes and faults out."""
 
     def __init__(self, tolerances: Tolerances | None = None, baud: float = BAUD) -> None:
-        longest = (MOST + OVERHEAD) * _BITS_PER_BYTE / baud
+        longest = (MOST + OVERHEAD) * BITS_PER_BYTE / baud
         frames = modem_frames(tolerances or Tolerances())
         self.framer = Framer(frames, idle=IDLE, patience=IDLE + 2.0 * longest)
 

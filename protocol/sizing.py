@@ -95,8 +95,9 @@ class Channel:
 
     def asking_pays(self, size: int, sent: int, task: Task) -> bool:
         """Whether a question is better than a burst of so many bytes said again, after ``sent`` of
-        them without an answer. With p = P(the burst came), t its airtime and q the mean time of a
-        question: where t p > q (1 - p), what is said in vain costs more than what is asked so."""
+        them without an answer. With p = P(the burst came), t the time of its way and q the mean
+        time of a question: where t p > q (1 - p), what is said in vain costs more than what is
+        asked so."""
         asked = task.head + _QUESTION
         good, bad = self._seconds(asked, task)
         question = came = 0.0
@@ -105,7 +106,7 @@ class Channel:
             unanswered = there * (1.0 - back) / (1.0 - there * back)  # came, and yet no answer
             question += guess.weight * (there * back * good + (1.0 - there * back) * bad)
             came += guess.weight * (1.0 - (1.0 - unanswered) ** sent)
-        return self._acoustics.airtime(size) * came > question * (1.0 - came)
+        return self._acoustics.way(size) * came > question * (1.0 - came)
 
     def _norm(self) -> None:
         total = sum(guess.weight for guess in self._guesses)
@@ -132,5 +133,5 @@ class Channel:
         """That an exchange takes: answered, and not answered."""
         water = self._acoustics
         travel = 2.0 * water.range_m / SOUND_SPEED
-        good = travel + water.airtime(size) + water.airtime(task.answer) + GATHER
+        good = travel + water.way(size) + water.way(task.answer) + GATHER
         return good, water.patience(size, task.longest)

@@ -3,8 +3,8 @@
     modem+serial:///dev/ttyUSB0?range=800&rate=600      (m, bit/s on the water)
     modem+tcp://10.0.0.7:9000?range=800&rate=600
 
-Timeouts follow from the greatest slant range and the bit rate that the URL states, and from the
-lengths of what is said (R1, protocol.arq). ``Submerged`` holds the same scripts as
+Timeouts follow from the greatest slant range, the bit rate and the baud rate that the URL states,
+and from the lengths of what is said (R1, protocol.arq). ``Submerged`` holds the same scripts as
 ``upload.Conversation``, two tries each at most; ``BatchTalk`` uploads in batches
 (protocol.batch).
 
@@ -17,7 +17,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from urllib.parse import parse_qsl, urlencode
 
-from links import at_rate
+from links import at_rate, baud_of
 from mission.topside.upload import NoAnswer, OperatorError, Refused, Script, Scripted
 from protocol.arq import TRIES, Acoustics, Answered, Initiator
 from protocol.arq import NoAnswer as Unanswered
@@ -54,7 +54,8 @@ def modem_address(url: str) -> ModemAddress | None:
     range_m = _number(url, options.pop("range", RANGE_M), "range", "m")
     bit_rate = _number(url, options.pop("rate", BIT_RATE), "rate", "bit/s")
     own = f"?{urlencode(options)}" if options else ""
-    return ModemAddress(at_rate(link + own, BAUD), Acoustics(range_m, bit_rate))
+    at = at_rate(link + own, BAUD)
+    return ModemAddress(at, Acoustics(range_m, bit_rate, baud=baud_of(at, BAUD)))
 
 
 def _number(url: str, text: str | float, option: str, unit: str) -> float:

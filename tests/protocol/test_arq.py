@@ -20,16 +20,33 @@ from protocol.arq import (
 from protocol.codec import CannotEncode
 from protocol.messages import FrameFault
 from protocol.modem import IDLE, OVERHEAD, Envelope, Sender, wrap
+from protocol.topside_frames import LONG
 
 FAR = Acoustics(range_m=1500.0, bit_rate=800.0)
 ANSWER = wrap(b"@ACK_AAA$", Sender.VEHICLE)
 
 
-def test_patience_is_travel_airtime_of_both_and_the_turnaround() -> None:
+def test_patience_is_travel_airtime_and_lines_of_both_and_the_turnaround() -> None:
     assert FAR.airtime(93) == 1.0
-    assert FAR.patience(93, 193) == pytest.approx(2.0 + 1.0 + 2.0 + TURNAROUND)
-    slow = Acoustics(range_m=150.0, bit_rate=100.0, preamble=0.5)
-    assert slow.patience(93, 193) == pytest.approx(0.2 + 8.5 + 16.5 + TURNAROUND)
+    lines = 2 * 10 * (100 + 200) / 115200
+    assert FAR.patience(93, 193) == pytest.approx(2.0 + 1.0 + 2.0 + lines + TURNAROUND)
+    slow = Acoustics(range_m=150.0, bit_rate=100.0, preamble=0.5, baud=1200)
+    assert slow.patience(93, 193) == pytest.approx(0.2 + 8.5 + 16.5 + 5.0 + TURNAROUND)
+
+
+@pytest.mark.parametrize("baud", [115200, 9600, 1200, 300])
+def test_an_answer_that_comes_at_the_pace_of_a_slow_line_is_heard_in_time(baud: int) -> None:
+    """G3, R1: the longest @AR takes 3.4 s at 1200 baud, in by the one line and out by the other."""
+    water = Acoustics(range_m=500.0, bit_rate=5000.0, baud=baud)
+    boat, content = Initiator(water), b"@AR," + b"x" * (LONG - 6) + b",$"
+    boat.ask(b"@AQ$", LONG, tries=1)
+    now = len(boat.outgoing(0.0)[0]) * 20 / baud + water.airtime(4) + 1.0  # and a second of thought
+    now += len(content) * 10 / baud + water.airtime(LONG) + 2 * 500.0 / 1500.0
+    heard = []
+    for byte in wrap(content, Sender.VEHICLE):
+        now += 10 / baud
+        heard += boat.receive(bytes([byte]), now)
+    assert heard == [Answered(b"@AQ$", content, pytest.approx(now, abs=len(content) * 11 / baud))]
 
 
 def test_a_request_goes_out_once_and_its_answer_ends_it() -> None:

@@ -170,6 +170,9 @@ def test_a_modems_url_is_its_links_with_range_and_rate() -> None:
     assert modem_address("modem+serial:///dev/ttyUSB0?range=800&rate=600") == found
     plain = modem_address("modem+tcp://10.0.0.7:9000")
     assert plain == ModemAddress("tcp://10.0.0.7:9000", Acoustics(RANGE_M, BIT_RATE))
+    slow = modem_address("modem+serial:///dev/ttyUSB0?baud=1200&range=800&rate=600")
+    assert slow is not None
+    assert slow.acoustics == Acoustics(800.0, 600.0, baud=1200)
 
 
 @pytest.mark.parametrize("option", ["range=far", "rate=0", "rate=-5", "range=nan"])
