@@ -43,6 +43,12 @@ class Stored:
     damage: tuple[str, ...] = ()  # what could not be read, in words
 
 
+def merged(kept: SetSafety, said: SetSafety) -> SetSafety:
+    """What is kept where ``said`` says nothing."""
+    named = {name: value for name, value in _limits(said).items() if value is not None}
+    return replace(kept, **named)
+
+
 class Store(Protocol):
     """Every ``keep_`` returns when its content is durable, or raises StoreError."""
 

@@ -268,7 +268,7 @@ def test_two_minutes_are_counted_from_when_it_was_said(pi: Pi, begin: float) -> 
     pi.hear(NARROW, begin + 1.0, BOAT)
     pi.hear(b"@DU$", begin + 119.0, BOAT)
     assert by_modem(pi, WIDE, begin + 119.0) == b"@ACK_SPN$"
-    pi.topside.disconnected(BOAT)
+    pi.topside.disconnected(BOAT, 0.0)
     assert by_modem(pi, WIDE, begin + LATE_S) == b"@ACK_SPP$"
 
 

@@ -15,6 +15,7 @@ from mission.onboard.runtime.staging import FORGOTTEN_AFTER_S
 from protocol.messages import (
     Ack,
     ClearMission,
+    Command,
     Emergency,
     Fix,
     Manual,
@@ -271,7 +272,7 @@ def test_a_closed_or_silent_connection_commands_no_more(pi: Pi) -> None:
     assert pi.hear(ClearMission(), 5.0 + COMMANDER_SILENT_S, OTHER) == [b"@ACK_ACN$"]
     assert pi.hear(ClearMission(), 5.1 + COMMANDER_SILENT_S, OTHER) == [b"@ACK_ACC$"]
     assert pi.hear(ClearMission(), 15.2, BOAT) == [b"@ACK_ACN$"]
-    pi.topside.disconnected(OTHER)
+    pi.topside.disconnected(OTHER, 0.0)
     assert pi.hear(ClearMission(), 15.3, BOAT) == [b"@ACK_ACC$"]
 
 
@@ -284,7 +285,7 @@ def test_who_stops_the_vehicle_commands_it(pi: Pi) -> None:
 
 def test_what_was_said_before_an_order_is_refused_behind_it(pi: Pi) -> None:
     pi.hear(Emergency(Order.STOP), 0.6, OTHER)
-    pi.topside.disconnected(OTHER)
+    pi.topside.disconnected(OTHER, 0.0)
     pi.target.decided.clear()
     assert pi.hear(ClearMission(), 4.0, BOAT, said=0.5) == [b"@ACK_ACN$"]
     assert pi.hear(b"@MMF5$", 4.0, BOAT, said=0.5) == []
@@ -379,7 +380,7 @@ def test_a_retry_of_a_switch_is_answered_once(pi: Pi) -> None:
 
 def test_a_connection_that_closes_before_its_switch_is_done_does_not_command(pi: Pi) -> None:
     pi.hear(NodeSwitch("OOOOOO"))
-    pi.topside.disconnected(BOAT)
+    pi.topside.disconnected(BOAT, 0.0)
     pi.topside.changed(b"CAMERA O\n", 3.5)
     assert pi.topside.commander.peer is None
     assert pi.hear(SetSafety(radius=50.0), 3.6, OTHER) == [b"@ACK_SPP$"]
@@ -388,7 +389,7 @@ def test_a_connection_that_closes_before_its_switch_is_done_does_not_command(pi:
 def test_of_those_who_ask_for_one_switch_the_first_who_is_still_there_commands(pi: Pi) -> None:
     pi.hear(NodeSwitch("OOOOOO"))
     pi.hear(NodeSwitch("OOOOOO"), 1.0, OTHER)
-    pi.topside.disconnected(BOAT)
+    pi.topside.disconnected(BOAT, 0.0)
     pi.topside.changed(b"CAMERA O\n", 3.5)
     assert [tx.data for tx in pi.topside.outgoing(3.5)] == [b"@ACK_NSS$"]
     assert pi.topside.commander.peer == OTHER
@@ -411,9 +412,105 @@ def test_the_stm32_stays_open_until_the_vehicle_is_idle(pi: Pi) -> None:
     assert pi.hear(NodeSwitch("OCOOCO")) == [b"@ACK_NSN$"]
 
 
+def requests(pi: Pi, now: float) -> list[bytes]:
+    """What processes are asked for."""
+    return [tx.data for tx in pi.topside.outgoing(now) if tx.link == "nodes"]
+
+
+BOARD_CLOSED = NodeSwitch("OCOOCO")
+
+
+@pytest.mark.parametrize("word", [StartMission(), Manual("MMF", b"@MMF5$")])
+@pytest.mark.parametrize("is_done", [False, True])
+def test_nothing_that_moves_is_taken_while_the_stm32_is_closed_or_about_to_be(
+    pi: Pi, word: Command, is_done: bool
+) -> None:
+    pi.hear(b"@AQ$")
+    pi.hear(BOARD_CLOSED)
+    if is_done:
+        pi.topside.changed(b"STM32 C\n", 0.5)
+        pi.topside.outgoing(0.5)
+    (told,) = pi.hear(word, 1.0)
+    assert told == b"@ACK_AAN$" or b"node STM32 is closed" in told
+    assert (pi.target.decided, pi.target.relayed) == ([], [])
+    if isinstance(word, Manual):
+        assert pi.target.sticks == [1.0]
+    pi.topside.changed(b"STM32 C\n", 2.0)
+    pi.hear(NodeSwitch("OOOOCO"), 3.0)
+    pi.topside.changed(b"STM32 O\n", 4.0)
+    pi.hear(word, 5.0)
+    assert len(pi.target.decided) == 1
+
+
+def test_a_stm32_that_is_needed_for_what_is_under_way_stays_open_in_idle_too(pi: Pi) -> None:
+    pi.target.under_way = "a stop without its acknowledgement"
+    assert pi.hear(BOARD_CLOSED) == [b"@ACK_NSN$"]
+    (why,) = pi.hear(b"@AQ$", 1.0)
+    assert b"the STM32 is needed: a stop without its acknowledgement" in why
+
+
+@pytest.mark.parametrize("order", [b"@ZAX0$", b"@ZAWF$"])
+def test_an_x_or_w_opens_the_stm32(pi: Pi, order: bytes) -> None:
+    pi.hear(BOARD_CLOSED)
+    pi.topside.changed(b"STM32 C\n", 0.5)
+    pi.topside.outgoing(0.5)
+    pi.topside.receive(OTHER, order, 1.0, 1.0)
+    assert requests(pi, 1.0) == [b"STM32 O"]
+    pi.topside.changed(b"STM32 O\n", 1.5)
+    pi.topside.receive(OTHER, order, 2.0, 2.0)
+    assert requests(pi, 2.0) == []
+
+
+def test_an_x_gives_up_a_switch_that_would_close_the_stm32(pi: Pi) -> None:
+    pi.topside.receive(BOAT, encode(BOARD_CLOSED), 0.0, 0.0)
+    assert requests(pi, 0.0) == [b"STM32 C"]
+    pi.topside.receive(OTHER, b"@ZAX0$", 0.1, 0.1)
+    sent = [(tx.link, tx.data) for tx in pi.topside.outgoing(0.1)]
+    assert sent == [("nodes", b"STM32 O"), ("topside", b"@ACK_NSN$")]
+    for letter in (b"C", b"O"):
+        pi.topside.changed(b"STM32 %b\n" % letter, 0.2)
+    assert pi.later(6.0) == []
+    assert pi.hear(b"@NI$", 6.0) == [b"@ACK_NI\x2f$"]
+
+
+def test_nobody_commands_by_a_switch_that_was_asked_for_before_an_x(pi: Pi) -> None:
+    pi.hear(NodeSwitch("OOOOOO"))
+    pi.hear(b"@ZAX0$", 0.0, OTHER)
+    pi.topside.changed(b"CAMERA O\n", 1.0)
+    assert [tx.data for tx in pi.topside.outgoing(1.0)] == [b"@ACK_NSS$"]
+    assert pi.topside.commander.peer == OTHER
+
+
+def test_auto_opens_when_all_that_was_asked_for_has_changed_and_not_by_a_refused_switch(
+    pi: Pi,
+) -> None:
+    pi.hear(NodeSwitch("OOOOCC"))
+    assert pi.target.auto == [False]
+    pi.hear(NodeSwitch("OOOOOO"), 1.0)
+    assert [tx.data for tx in pi.later(6.0)] == [b"@ACK_NSN$"]
+    assert pi.target.auto == [False]
+    pi.hear(NodeSwitch("OOOOOO"), 7.0)
+    pi.topside.changed(b"CAMERA O\n", 8.0)
+    assert pi.target.auto == [False, True]
+
+
+@pytest.mark.parametrize(("state", "asked"), [("autonomous/a", [b"UACM O"]), ("idle/ready", [])])
+def test_out_of_idle_the_modem_is_opened_again_when_the_last_boat_goes(
+    pi: Pi, state: str, asked: list[bytes]
+) -> None:
+    pi.topside.disconnected(OTHER, 0.0)
+    pi.hear(NodeSwitch("OOOCCO"))
+    pi.topside.changed(b"UACM C\n", 0.5)
+    pi.topside.disconnected(WATER, 0.5)
+    pi.target.state = state
+    assert requests(pi, 0.5) == []
+    pi.topside.disconnected(BOAT, 1.0)
+    assert requests(pi, 1.0) == asked
+
+
 def test_the_modem_stays_open_while_it_is_the_only_live_path(pi: Pi) -> None:
     for peer in (BOAT, OTHER):
-        pi.topside.disconnected(peer)
+        pi.topside.disconnected(peer, 0.0)
     assert opened(pi.hear(NodeSwitch("OOOCCO"), 0.0, WATER)) == b"@ACK_NSN$"
 
 

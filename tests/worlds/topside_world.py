@@ -26,6 +26,7 @@ STATE = StateReport("autonomous", "asker", 1, 2, 3, 4, 5, 6, 7, 8, 9.5, 0, "X", 
 class FakeVessel:
     state: str = "idle/empty"
     digest: str = ""
+    under_way: str = ""
     doubted_at: float = -math.inf
     decided: list[Command] = field(default_factory=list)
     relayed: list[bytes] = field(default_factory=list)

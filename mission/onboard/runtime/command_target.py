@@ -53,6 +53,11 @@ class CommandTarget(Protocol):
         ...
 
     @property
+    def under_way(self) -> str:
+        """What an end of the program would interrupt, "" if nothing."""
+        ...
+
+    @property
     def doubted_at(self) -> float:
         """When a report last contradicted a stop, -inf: never."""
         ...

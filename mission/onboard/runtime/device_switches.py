@@ -3,10 +3,10 @@
     bit   0    1      2      3     4       5        of @ACK_NI, and the letters of @NS
     node  Pi   STM32  BDGPS  UACM  CAMERA  AUTO
 
-Pi and AUTO change here and now. The others belong to processes: a request leaves as
+AUTO closes here and now. The others belong to processes: a request leaves as
 ``Tx(link="nodes", data=b"CAMERA O")``, whoever runs the process answers with
 ``Rx(link="nodes", data=b"CAMERA O\\n")`` when it is so. All within 5 s, or the switch
-is answered N.
+is answered N. AUTO opens when all others are as asked for.
 
 What does not live here: who may switch (topside), what AUTO does (engine), processes (the pump).
 """
@@ -35,11 +35,25 @@ class DeviceSwitches:
     """``configured`` names the nodes with a process that runs from the start."""
 
     def __init__(self, configured: frozenset[str]) -> None:
+        self._configured = configured
         self._open = {name: name in OWN or name in configured for name in NAMES}
         self._pending: _Pending | None = None
 
     def is_open(self, name: str) -> bool:
         return self._open[name]
+
+    def stays_open(self, name: str) -> bool:
+        """It is open, and the pending switch does not close it."""
+        return self._open[name] and (self._pending is None or self._pending.wanted[name])
+
+    def reopen(self, name: str) -> bytes:
+        """What the process is asked for, so that a node that is closed, or about to be, is open;
+        b"" if nothing. A pending switch that would close it is given up."""
+        if self.stays_open(name) or name not in self._configured:
+            return b""
+        if self._pending is not None and not self._pending.wanted[name]:
+            self._pending = None
+        return f"{name} {OPEN}".encode()
 
     def are(self, switches: str) -> bool:
         """Whether all nodes are as these letters say; the Pi's own is not looked at (E-T2)."""
@@ -54,12 +68,12 @@ class DeviceSwitches:
         """Begin a switch; what the processes are asked for. ``settle`` tells when it is done."""
         wanted = {name: letter == OPEN for name, letter in zip(NAMES, switches, strict=True)}
         wanted["Pi"] = True  # E-T2: the Pi does not close itself
-        self._open["AUTO"] = wanted["AUTO"]
+        self._open["AUTO"] &= wanted["AUTO"]
         self._pending = _Pending(wanted, now + CHANGED_WITHIN_S)
         return [
             f"{name} {OPEN if wanted[name] else CLOSE}".encode()
             for name in NAMES
-            if self._open[name] != wanted[name]
+            if name not in OWN and self._open[name] != wanted[name]
         ]
 
     def changed(self, data: bytes) -> None:
@@ -74,10 +88,13 @@ class DeviceSwitches:
         not changed in time, in words; "" where all have."""
         if self._pending is None:
             return None
-        left = [name for name, value in self._pending.wanted.items() if self._open[name] != value]
+        wanted = self._pending.wanted
+        left = [n for n, value in wanted.items() if n not in OWN and self._open[n] != value]
         if left and now < self._pending.deadline:
             return None
         self._pending = None
+        if not left:
+            self._open["AUTO"] = wanted["AUTO"]
         late = f"not changed within {CHANGED_WITHIN_S:.0f} s: {' and '.join(left)}"
         return f"{late}; the Pi's journal says why" if left else ""
 

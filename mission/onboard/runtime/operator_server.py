@@ -4,9 +4,9 @@
     answer --path of the request (R12)--> bytes
 
 Rules of docs/rules.md that live here: R2 (answers N), R3 and R4 (with ``uploads``), R6's relaying,
-R9-R11 as far as an answer shows them, R12 (with ``copies``, ``commander``), R13 (with ``nodes``),
-R14. STOP and SURFACE pass from any connection, always, and are answered by what became of them at
-the STM32.
+R9-R11 as far as an answer shows them, R12 (with ``copies``, ``commander``), R13 (with
+``node_switching``), R14. STOP and SURFACE pass from any connection, always, and are answered by
+what became of them at the STM32.
 
 What does not live here: what a command does to the vehicle (engine, behind ``CommandTarget``),
 frames (protocol), sockets.
@@ -32,13 +32,13 @@ from mission.onboard.runtime.command_target import (
 )
 from mission.onboard.runtime.commander import Commander
 from mission.onboard.runtime.copies import Copies
-from mission.onboard.runtime.device_switches import LINK as NODES
-from mission.onboard.runtime.device_switches import NAMES, OPEN, DeviceSwitches
+from mission.onboard.runtime.device_switches import DeviceSwitches
+from mission.onboard.runtime.node_switching import NodeSwitching
 from mission.onboard.runtime.operator_channels import STICK, Heard, OperatorChannel, Unfit
 from mission.onboard.runtime.pending_answers import PendingAnswers
 from mission.onboard.runtime.refusals import Refusals, refused_set
 from mission.onboard.runtime.uploads import Uploads
-from mission.onboard.store import Store, StoreError
+from mission.onboard.store import Store, StoreError, merged
 from protocol.messages import (
     Ack,
     ClearMission,
@@ -85,10 +85,10 @@ class OperatorServer:
         self.commander = Commander()
         self.copies = Copies(self._in_force)
         self._pending = PendingAnswers()
-        self._switching: tuple[list[Peer], NodeSwitch] | None = None
+        self._switching = NodeSwitching(target, nodes)
         self.refusals = Refusals()
         self._told = -math.inf  # when a refused relay was
-        self._out, self._faults = list[Tx](), list[tuple[Peer, FrameFault]]()
+        self._faults = list[tuple[Peer, FrameFault]]()
 
     # --- connections ---------------------------------------------------------------------
 
@@ -96,10 +96,13 @@ class OperatorServer:
         if peer not in self._paths:
             self._paths[peer] = self._new_path(peer.link)
 
-    def disconnected(self, peer: Peer) -> None:
+    def disconnected(self, peer: Peer, now: float) -> None:
         self._paths.pop(peer, None)
         self._pending.forget(peer)
         self.commander.forget(peer)
+        if not (self._by_network or self._is_idle):
+            self._switching.reopen("UACM", "the modem is the only live path", now)
+            self._conclude_switches(now)
 
     def receive(self, peer: Peer, data: bytes, now: float, said: float) -> None:
         self.connected(peer)
@@ -131,7 +134,7 @@ class OperatorServer:
 
     def outgoing(self, now: float) -> list[Tx]:
         """What leaves now."""
-        out, self._out = self._out, []
+        out = self._switching.outgoing()
         for peer, path in self._paths.items():
             for data, why in path.outgoing(now):
                 out.append(Tx(now, peer.link, data, why, peer.address))
@@ -208,6 +211,9 @@ class OperatorServer:
         self._pending.add(peer, command.order.name, now, ORDER_ANSWER_S)
         self._hand_over(peer, now)
         self._target.decide(command, now)
+        self._switching.overtake()
+        self._switching.reopen("STM32", f"an operator says {command.order.name}", now)
+        self._conclude_switches(now)
 
     def _query(self, peer: Peer, command: Query, now: float) -> Answer:
         if isinstance(command, DataQuery):
@@ -236,9 +242,8 @@ class OperatorServer:
             return self._relay(peer, command, now)
         if isinstance(command, Manual):
             return self._manual(peer, command, now)
-        if isinstance(command, StartMission) and self._uploads.incomplete(now):
-            missing = self._uploads.missing
-            return Verdict(False, f"the upload is incomplete: lines {missing} missing")
+        if isinstance(command, StartMission) and (why := self._cannot_start(now)):
+            return Verdict(False, why)
         if peer.link == MODEM and not may_come_by_modem(command):
             return Verdict(False, f"@{name_of(command)} is not taken over the modem")
         verdict = self._target.decide(command, now)
@@ -282,7 +287,8 @@ class OperatorServer:
             case SetOutput():
                 return self._target.output(command.name) == command.value
             case SetSafety():
-                return self._merged(command) == self._store.content.limits
+                kept = self._store.content.limits
+                return merged(kept, command) == kept
             case NodeSwitch():
                 return self._nodes.are(command.switches)
         return None
@@ -298,36 +304,28 @@ class OperatorServer:
 
     # --- single commands -------------------------------------------------------------------
 
+    def _cannot_start(self, now: float) -> str:
+        if self._uploads.incomplete(now):
+            return f"the upload is incomplete: lines {self._uploads.missing} missing"
+        return self._deaf
+
     def _switch(self, peer: Peer, command: NodeSwitch, now: float) -> Verdict | None:
-        if self._switching and self._switching[1] == command:  # answered when all have changed
-            if peer not in self._switching[0]:
-                self._switching[0].append(peer)
-            return None
-        closes = {n for n, s in zip(NAMES, command.switches, strict=True) if s != OPEN}
-        if "UACM" in closes and not any(p.link != MODEM for p in self._paths):
-            return Verdict(False, "the modem is the only live path")
-        if "STM32" in closes and not self._is_idle:
-            return Verdict(False, "the STM32 is needed until the vehicle is idle")
-        self._conclude_switch(Verdict(False, "overtaken by another @NS"), now)
-        was_open = self._nodes.is_open("AUTO")
-        requests = self._nodes.switch(command.switches, now)
-        if self._nodes.is_open("AUTO") != was_open:
-            self._target.switch_auto(self._nodes.is_open("AUTO"), now)
-        self._out += [Tx(now, NODES, request, "operator @NS") for request in requests]
-        self._switching = ([peer], command)
-        self._settle(now)
-        return None
+        why = self._switching.begin(peer, command, self._by_network, now)
+        self._conclude_switches(now)
+        return Verdict(False, why) if why else None  # None: answered when all have changed
 
     def _settle(self, now: float) -> None:
-        if (late := self._nodes.settle(now)) is not None:
-            self._conclude_switch(Verdict(not late, late), now)
+        self._switching.settle(now)
+        self._conclude_switches(now)
 
-    def _conclude_switch(self, verdict: Verdict, now: float) -> None:
-        if self._switching is not None:
-            (peers, command), self._switching = self._switching, None
-            peers.sort(key=lambda peer: peer not in self._paths)  # first who is there
-            self._conclude(peers[0], command, verdict, now)
-            for peer in peers[1:]:
+    def _conclude_switches(self, now: float) -> None:
+        for switch in self._switching.done():
+            command, asked, verdict = switch.command, switch.asked, switch.verdict
+            first = min(asked, key=lambda peer: (peer not in self._paths, not asked[peer]))
+            if verdict.accepted and asked[first] and first in self._paths:
+                self._hand_over(first, now)
+            self.copies.note(first, command, verdict.accepted, now)
+            for peer in asked:
                 self._answer(peer, command, verdict, now)
 
     def _set_time(self, peer: Peer, command: SetTime, now: float) -> Verdict:
@@ -338,23 +336,13 @@ class OperatorServer:
         self._target.set_clock(command.time, now)
         return Verdict(True)
 
-    def _merged(self, command: SetSafety) -> SetSafety:
-        """With what is kept, where it says nothing."""
-        kept = self._store.content.limits
-        return SetSafety(
-            radius=kept.radius if command.radius is None else command.radius,
-            time=kept.time if command.time is None else command.time,
-            depth=kept.depth if command.depth is None else command.depth,
-            voltage=kept.voltage if command.voltage is None else command.voltage,
-        )
-
     def _set_safety(self, command: SetSafety, now: float) -> Verdict:
-        merged = self._merged(command)
+        limits = merged(self._store.content.limits, command)
         try:
-            self._store.keep_limits(merged)
+            self._store.keep_limits(limits)
         except StoreError as error:
             return Verdict(False, str(error))
-        return self._target.decide(merged, now)
+        return self._target.decide(limits, now)
 
     def _relay(self, peer: Peer, command: Relay, now: float) -> Verdict:
         self._await_relay(peer, command, now)
@@ -377,7 +365,7 @@ class OperatorServer:
     def _manual(self, peer: Peer, command: Manual, now: float) -> Verdict:
         if peer.link == MODEM:
             return Verdict(False, "manual control does not go over the modem")
-        if why := self._target.cannot_relay(command.frame):
+        if why := self._deaf or self._target.cannot_relay(command.frame):
             return self._relayed(peer, why, now)
         if not (verdict := self._target.decide(command, now)).accepted:
             return verdict
@@ -389,6 +377,16 @@ class OperatorServer:
     @property
     def _is_idle(self) -> bool:
         return self._uploads.is_idle
+
+    @property
+    def _by_network(self) -> bool:
+        """Whether anybody is connected but by the modem."""
+        return any(peer.link != MODEM for peer in self._paths)
+
+    @property
+    def _deaf(self) -> str:
+        """Why the vehicle would not hear, "" if it would."""
+        return "" if self._nodes.stays_open("STM32") else "node STM32 is closed"
 
     def _answer_awaiting(self, key: str, ack: Ack, now: float) -> None:
         """A refusal of X or W may be followed by another try; anything else is final."""

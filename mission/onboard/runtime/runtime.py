@@ -156,19 +156,19 @@ class Runtime:
     def disconnected(self, link: str, address: str, now: float) -> list[Tx]:
         self._now = now = max(self._now, now)
         self._record(rec.input_record, now, rec.DISCONNECTED, link, address)
-        self._topside.disconnected(Peer(link, address))
+        self._topside.disconnected(Peer(link, address), now)
         return self._leave(now)
 
     def handle_timer(self, now: float) -> list[Tx]:
         self._now = now = max(self._now, now)
         self._record(rec.input_record, now, rec.TIMER)
         self._marker.handle_timer(now, self._frontseat.next_timer())
-        if _is_due(self._codec.next_timer(), now):
+        if (due := self._codec.next_timer()) is not None and due <= now:
             self._from_vehicle(self._codec.flush(now), now)
         for link, heard in self._gps.flush(now):
             self._from_gps(heard, now, link)
         self._topside.handle_timer(now)
-        if _is_due(self._engine.next_timer(), now):
+        if (due := self._engine.next_timer()) is not None and due <= now:
             self._step(now, ())
         return self._leave(now)
 
@@ -318,6 +318,10 @@ class Runtime:
         return self._engine.state
 
     @property
+    def under_way(self) -> str:
+        return self._engine.under_way
+
+    @property
     def engine(self) -> Engine:
         return self._engine  # to be looked at
 
@@ -394,7 +398,3 @@ class Runtime:
     def _record(self, make: Callable[..., Record], *values: object) -> None:
         if self._recorder is not None:
             self._recorder.record(make(*values))
-
-
-def _is_due(timer: float | None, now: float) -> bool:
-    return timer is not None and timer <= now
