@@ -16,7 +16,8 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 WORKING = "working"  # the last configuration that worked (serve: working)
-_FOLDER = re.compile(r"^folder:\s*[\"']?([^\"'#\n]+)", re.MULTILINE)
+_FOLDER = re.compile(r"^folder:[ \t]*[\"']?([^\"'#\n]+)", re.MULTILINE)
+_NONE = ("~", "null", "Null", "NULL")  # as YAML says it
 
 
 def read_summed(path: Path) -> str:
@@ -97,7 +98,8 @@ def _said_folder(config: Path | None) -> str:
         found = _FOLDER.search(config.read_text(encoding="utf-8", errors="replace"))
     except OSError:
         return ""
-    return found[1].strip() if found else ""
+    said = found[1].strip() if found else ""
+    return "" if said in _NONE else said
 
 
 def _sum(body: bytes) -> bytes:

@@ -150,6 +150,14 @@ def test_the_folder_of_the_service_manager_is_looked_into(tmp_path: Path) -> Non
     assert got.configuration.links.vehicle == OPENED
 
 
+@pytest.mark.parametrize("said", ["", " ", " ~", " null", " # the usual one", "\n", " ''", "\r"])
+def test_a_folder_that_is_not_said_is_none(tmp_path: Path, said: str) -> None:
+    config = tmp_path / "serve.yaml"
+    config.write_text(f"folder:{said}\nlinks: {{{{{{\n")
+    assert Homes(config, None, {}).folder is None
+    assert Homes(config, None, {"STATE_DIRECTORY": "/state"}).folder == Path("/state")
+
+
 def test_without_anything_left_the_shipped_defaults_and_vehicle_serve_the_ascent(
     tmp_path: Path,
 ) -> None:
