@@ -215,6 +215,29 @@ def test_a_disk_that_never_recovers_bounds_what_waits(
     assert len(box.take()) < 2000
 
 
+def test_of_a_disk_that_never_recovers_each_record_is_counted_as_lost_once(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(writer, "WAITING", 1000)
+    box = BlackBox(tmp_path / "box.mcap", shell=True)
+    really = os.write
+
+    def full(fd: int, data: bytes) -> int:
+        raise OSError(errno.ENOSPC, "full")
+
+    monkeypatch.setattr("mission.onboard.blackbox.box.os.write", full)
+    for n in range(100):
+        box.record(Record(float(n), "rx", bytes(100)))
+        if n % 5 == 4:
+            box.store(box.take(), sync=True)
+            box.store(b"", sync=True)
+    monkeypatch.setattr("mission.onboard.blackbox.box.os.write", really)
+    lost = box.lost
+    box.close()
+    assert lost > 50
+    assert len(list(read_records(tmp_path / "box.mcap"))) == 100 - lost
+
+
 def test_a_foreign_file_and_an_absent_one_are_named(tmp_path: Path) -> None:
     foreign = tmp_path / "notes.txt"
     foreign.write_text("no black box")

@@ -15,7 +15,7 @@ import os
 from pathlib import Path
 
 from mission.model import Record
-from mission.onboard.blackbox.form import LIMIT, NS, BlackBoxError, foot, head, pack
+from mission.onboard.blackbox.form import LIMIT, NS, BlackBoxError, count, foot, head, pack
 from mission.onboard.blackbox.parts import part_path
 from mission.onboard.runtime.records import START
 
@@ -70,7 +70,7 @@ class BlackBox:
     def store(self, data: bytes, sync: bool = False) -> None:
         """Never raises: ``failure`` says what the disk said last, "" if all is well."""
         if len(self._unwritten) > WAITING:
-            self.lost += 1
+            self.lost += count(data)
             data = b""
         try:
             self._write(data)

@@ -60,6 +60,15 @@ def pack(kind: str, payload: bytes, number: int, logged: int, t: int) -> bytes:
     return head + payload
 
 
+def count(data: bytes) -> int:
+    """Of whole messages."""
+    at = number = 0
+    while at < len(data):
+        at += HEAD.size + HEAD.unpack_from(data, at)[1]
+        number += 1
+    return number
+
+
 def crc(payload: bytes | memoryview, channel: int, t: int) -> int:
     return zlib.crc32(payload, (channel + t + (t >> 32)) & 0xFFFFFFFF)
 
