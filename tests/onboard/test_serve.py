@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import asyncio
+import json
 import os
 import random
+import socket
 import time
 from dataclasses import replace
 from pathlib import Path
@@ -15,6 +17,7 @@ from ports import free_port
 from served import (
     MISSION,
     PATIENCE,
+    Running,
     asked,
     provided,
     quiet,
@@ -31,12 +34,13 @@ from mission.authoring.language import digest, script
 from mission.commands.serve import serve as command
 from mission.onboard.blackbox import read_parts
 from mission.onboard.configuration import Configuration, LinkUrls
-from mission.onboard.runtime.records import RX, STEP, TX, read_rx, read_tx
+from mission.onboard.runtime.records import CONNECTED, DISCONNECTED, RX, STEP, TX, read_rx, read_tx
 from mission.onboard.serve import ports
 from mission.onboard.serve.serve import Server
 from mission.onboard.store import MemoryStore
 from mission.topside.console import Unreachable, converse
 from mission.topside.upload import start, upload
+from protocol.modem import Sender, wrap
 
 SPEED = 4.0  # a process that waits for the processor for a second misses no report by R8
 
@@ -109,6 +113,58 @@ def test_a_board_that_does_not_answer_is_asked_again_and_the_boat_still_served(
 
         soon(read, "three tries of X")
         assert asked(boat, b"@AQ$").startswith(b"@AR,running")
+
+
+def test_the_modem_is_a_way_to_operators_before_any_has_spoken_and_until_it_is_closed(
+    tmp_path: Path,
+) -> None:
+    """R11: the unasked @VS goes there, too."""
+    with (
+        silent_board() as (_, device),
+        silent_board() as (_, modem),
+        running(tmp_path, f"serial://{device}", modem=f"serial://{modem}") as pi,
+        pi.boat() as boat,
+    ):
+        soon(lambda: modem_is_open(tmp_path), "the modem")
+        assert asked(boat, b"@NSOOCCCO$") == b"@ACK_NSS$"
+        soon(lambda: not modem_is_open(tmp_path), "the modem's end")
+        assert asked(boat, b"@NSOOCOCO$") == b"@ACK_NSS$"
+        soon(lambda: modem_is_open(tmp_path), "the modem again")
+    came, left = (CONNECTED, ""), (DISCONNECTED, "")
+    assert connections(pi, "modem") == [came, left, came]
+    assert not pi.has_told("topside:  is")
+
+
+def test_a_modem_behind_a_tcp_bridge_is_the_same_one_when_it_has_spoken(tmp_path: Path) -> None:
+    bridge = socket.create_server(("127.0.0.1", 0))
+    bridge.settimeout(PATIENCE)
+    url = f"tcp://127.0.0.1:{bridge.getsockname()[1]}"
+    with (
+        bridge,
+        silent_board() as (_, device),
+        running(tmp_path, f"serial://{device}", modem=url) as pi,
+        bridge.accept()[0] as modem,
+    ):
+        modem.sendall(wrap(b"@NI$", Sender.TOPSIDE))
+        modem.settimeout(PATIENCE)
+        assert b"@ACK_NI" in modem.recv(1000)
+        modem.close()
+        soon(lambda: pi.has_told("modem: "), "its end")
+    assert connections(pi, "modem")[:2] == [(CONNECTED, ""), (DISCONNECTED, "")]
+
+
+def modem_is_open(folder: Path) -> bool:
+    status = folder / "status.json"
+    return status.exists() and json.loads(status.read_text())["links"]["modem"]["open"]
+
+
+def connections(pi: Running, link: str) -> list[tuple[str, str]]:
+    """Who came and went, by the black box of a program that has ended."""
+    assert pi.ready is not None
+    kinds = (CONNECTED, DISCONNECTED)
+    told = [(r.kind, json.loads(r.payload)) for r in read_parts(Path(pi.ready.black_box))
+            if r.kind in kinds]  # fmt: skip
+    return [(kind, values["address"]) for kind, values in told if values["link"] == link]
 
 
 def test_a_port_that_is_absent_is_told_once_and_taken_when_it_comes(

@@ -146,7 +146,7 @@ def of_ports(
             dropped=dropped.get(name, 0),
             faults=faults.get(name, 0),
             silent_s=None if port.heard is None else max(0.0, now - port.heard),
-            peers=port.peers,
+            peers=tuple(filter(None, port.peers)),
         )
         for name, port in ports.items()
     }

@@ -22,6 +22,7 @@ from links.admission import Refusal
 from links.base import Link, LinkError, Rx
 from links.joined import JoinedLink
 from links.tcp import TcpServer
+from mission.onboard.runtime.command_target import MODEM
 from mission.onboard.serve.tx_spacer import BAUD, TxSpacer
 
 RETRY_S = 1.0  # real time
@@ -51,8 +52,11 @@ class Port:
 
     @property
     def peers(self) -> tuple[str, ...]:
-        """Who is connected, where the link has several peers."""
-        return self.link.peers if isinstance(self.link, TcpServer) else ()
+        """Who is connected, where the link has several peers; the one behind a modem has no
+        address."""
+        if isinstance(self.link, TcpServer):
+            return self.link.peers
+        return ("",) if self.link is not None and self.name == MODEM else ()
 
     @property
     def is_away(self) -> bool:
@@ -160,6 +164,8 @@ class Port:
         if heard:
             self.heard = now
             self.received += sum(len(rx.data) for rx in heard)
+            if heard[0].address and not isinstance(self.link, TcpServer):
+                heard = [rx._replace(address="") for rx in heard]  # there is but one
         return heard
 
     def send(self, data: bytes, now: float, address: str) -> bool:

@@ -100,8 +100,7 @@ class Server:
         self._peers: dict[str, frozenset[str]] = {}
         self._tasks: set[asyncio.Task[None]] = set()
         self._leaving = Leaving(leave_within, lambda: self._runtime, self._order_end, self._tell)
-        self._announced = False
-        self._watchdog = Watchdog()
+        self._announced, self._watchdog = False, Watchdog()
 
     async def run(self) -> None:
         """Until ``stop``."""
@@ -252,8 +251,8 @@ class Server:
     def _changed(self, port: Port) -> None:
         if port.link is None:
             self._part(port)
-            if port.name == MODEM:
-                self._disconnect(MODEM, "")
+        elif port.name == MODEM:
+            self._meet(port)
         elif port.name == VEHICLE:  # it was away: the first opening comes before the runtime
             self._do(lambda runtime: runtime.connected(VEHICLE, "", self.now()))
         elif port.name == TOPSIDE and not self._announced:
@@ -267,21 +266,22 @@ class Server:
     def _meet(self, port: Port) -> None:
         for address in [a for a in port.peers if a not in self._peers.get(port.name, ())]:
             self._peers[port.name] = self._peers[port.name] | {address}
-            self._journal.info(f"topside: {address} is connected", host_of(address), "arrivals")
+            if address:
+                self._journal.info(f"topside: {address} is connected", host_of(address), "arrivals")
             self._do(lambda d, a=address: d.connected(port.name, a, self.now()))  # type: ignore[misc]
 
     def _part(self, port: Port) -> None:
         for address in self._peers.get(port.name, frozenset()) - set(port.peers):
             self._peers[port.name] = self._peers[port.name] - {address}
             self._limiter.forget(address)
-            self._journal.info(f"topside: {address} is gone", host_of(address), "departures")
+            if address:
+                self._journal.info(f"topside: {address} is gone", host_of(address), "departures")
             self._disconnect(port.name, address)
 
     def _disconnect(self, link: str, address: str) -> None:
-        def told() -> None:
-            self._do(lambda runtime: runtime.disconnected(link, address, self.now()))
-
-        self.validation.part(link, address, told)
+        self.validation.part(
+            link, address, lambda: self._do(lambda r: r.disconnected(link, address, self.now()))
+        )
 
     def _schedule(self) -> None:
         """One timer for everything that is due next."""
