@@ -12,10 +12,12 @@ import pytest
 
 from mission.model.shipped import load_vehicle
 from mission.onboard.configuration import Configuration
+from mission.onboard.runtime.command_target import MissionRefused
 from mission.onboard.runtime.runtime import Runtime
-from mission.onboard.serve.preload import prepare
-from mission.onboard.store import MemoryStore
+from mission.onboard.serve.preload import judge_ahead, prepare
+from mission.onboard.store import MemoryStore, Stored
 
+LINES = ("mission a vehicle auv", "ZAF6", "wait 10s")
 # what none of a start's work needs: each would add a tenth of it, or a multiple
 _UNUSED = ("filterpy", "scipy", "matplotlib", "pandas", "textual")
 _START = """
@@ -58,6 +60,26 @@ def test_the_collector_does_not_look_through_what_is_there_for_good() -> None:
     assert gc.isenabled()
     assert gc.get_freeze_count() >= before
     assert len(gc.get_objects()) < 0.1 * gc.get_freeze_count()
+
+
+def test_the_kept_mission_is_judged_ahead_of_idle_but_an_ascent_waits_for_no_judge(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    judged: list[tuple[str, ...]] = []
+
+    def refused(lines: tuple[str, ...], _: object) -> None:
+        judged.append(lines)
+        raise MissionRefused("too long")
+
+    monkeypatch.setattr("mission.onboard.runtime.mission_validator.judge", refused)
+    kept = MemoryStore(Stored(LINES, under_way="autonomous/dive"))
+    ready = Runtime(Configuration(), load_vehicle("auv"), kept)
+    prepare(ready)
+    assert judged == []
+    judge_ahead(ready)
+    with pytest.raises(MissionRefused):
+        ready.judge(LINES)
+    assert judged == [LINES]
 
 
 def test_a_further_drive_leaves_its_predecessor_to_the_collector() -> None:

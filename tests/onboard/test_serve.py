@@ -7,6 +7,7 @@ import json
 import os
 import random
 import socket
+import threading
 import time
 from dataclasses import replace
 from pathlib import Path
@@ -34,10 +35,11 @@ from mission.authoring.language import digest, script
 from mission.commands.serve import serve as command
 from mission.onboard.blackbox import read_parts
 from mission.onboard.configuration import Configuration, LinkUrls
+from mission.onboard.runtime.command_target import MissionRefused
 from mission.onboard.runtime.records import CONNECTED, DISCONNECTED, RX, STEP, TX, read_rx, read_tx
 from mission.onboard.serve import ports
 from mission.onboard.serve.serve import Server
-from mission.onboard.store import MemoryStore
+from mission.onboard.store import MemoryStore, Stored
 from mission.topside.console import Unreachable, converse
 from mission.topside.upload import start, upload
 from protocol.modem import Sender, wrap
@@ -165,6 +167,22 @@ def connections(pi: Running, link: str) -> list[tuple[str, str]]:
     told = [(r.kind, json.loads(r.payload)) for r in read_parts(Path(pi.ready.black_box))
             if r.kind in kinds]  # fmt: skip
     return [(kind, values["address"]) for kind, values in told if values["link"] == link]
+
+
+def test_behind_a_restart_under_way_the_kept_mission_is_judged_beside_the_ascent(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    judged: list[str] = []
+
+    def noted(lines: tuple[str, ...], _: object) -> None:
+        judged.append(threading.current_thread().name)
+        raise MissionRefused("noted")
+
+    monkeypatch.setattr("mission.onboard.runtime.mission_validator.judge", noted)
+    store = MemoryStore(Stored(tuple(script(MISSION)), under_way="autonomous/out"))
+    with silent_board() as (_, device), running(tmp_path, f"serial://{device}", store=store) as pi:
+        soon(lambda: len(judged) > 0, "the judge")
+        assert judged != [pi.thread.name]
 
 
 def test_a_port_that_is_absent_is_told_once_and_taken_when_it_comes(

@@ -26,10 +26,16 @@ def prepare(runtime: Runtime) -> Navigation:
         import mission.authoring.language.lines  # noqa: F401
 
         navigation = runtime.make_navigation()
-        if runtime.state.startswith("idle") and (lines := runtime.unjudged):
-            # its verdict is then ready, and keeps no operator waiting; no ascent waits for it
-            with contextlib.suppress(MissionRefused):
-                runtime.judge(lines)
+        if runtime.state.startswith("idle"):  # no ascent waits for it
+            judge_ahead(runtime)
         if not gc.get_freeze_count():  # a further runtime: its predecessor may be garbage by now
             gc.freeze()
         return navigation
+
+
+def judge_ahead(runtime: Runtime) -> None:
+    """The kept mission, so that its verdict is ready when it is asked for, in idle, and holds up
+    neither an X nor an operator then."""
+    if lines := runtime.unjudged:
+        with uncollected(), contextlib.suppress(MissionRefused):
+            runtime.judge(lines)

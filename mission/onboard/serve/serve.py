@@ -25,7 +25,7 @@ from typing import Any
 
 from links.base import Rx
 from mission.model import Tx
-from mission.onboard.runtime.command_target import Peer
+from mission.onboard.runtime.command_target import MODEM, Peer
 from mission.onboard.runtime.device_switches import LINK as NODES
 from mission.onboard.runtime.records import Observer
 from mission.onboard.runtime.runtime import CLOCK, Runtime
@@ -35,7 +35,7 @@ from mission.onboard.serve.journal import Journal, Several
 from mission.onboard.serve.leaving import MARGIN_S, USUAL_S, Leaving
 from mission.onboard.serve.listening import listening, listening_to_viewers, open_to_all, reached_at
 from mission.onboard.serve.ports import Port
-from mission.onboard.serve.preload import prepare
+from mission.onboard.serve.preload import judge_ahead, prepare
 from mission.onboard.serve.processes import Processes
 from mission.onboard.serve.provision import Provision
 from mission.onboard.serve.rate_limiter import RateLimiter, host_of
@@ -46,8 +46,7 @@ from mission.onboard.serve.view import view
 from mission.onboard.serve.viewing import Seen, Viewing
 from mission.onboard.serve.watchdog import Watchdog
 
-VEHICLE, GPS, TOPSIDE, MODEM, SENSORS = "vehicle", "gps", "topside", "modem", "sensors"
-GPS2 = "gps2"
+VEHICLE, GPS, GPS2, TOPSIDE, SENSORS = "vehicle", "gps", "gps2", "topside", "sensors"
 NODE_OF = {VEHICLE: "STM32", GPS: "BDGPS", MODEM: "UACM"}
 FIRST_S = 1.0  # real time, that the first W of a restart waits for its port
 REBIRTH_S = 1.0  # real time, between a fault of the program and the next runtime
@@ -185,6 +184,7 @@ class Server:
             return
         if runtime is self._runtime:
             self._do(lambda d: d.set_navigation(navigation, self.now()))
+            await asyncio.to_thread(judge_ahead, runtime)
 
     def _do(self, call: Callable[[Runtime], list[Tx]]) -> None:
         """One input to the runtime, and everything that leaves because of it."""
