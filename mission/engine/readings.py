@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from mission.legs.base import Track
-from mission.model import Back, Estimate, Health, NavigationMode, Trend
+from mission.model import Back, Estimate, Health, Trend
 from mission.navigation import distribution
 from protocol.messages import Telemetry
 
@@ -62,9 +62,7 @@ def estimated(name: str) -> Read:
 
 def _located(scope: Scope) -> Estimate | None:
     estimate = scope.estimate
-    if estimate is None or estimate.mode is NavigationMode.NONE:
-        return None
-    return estimate
+    return estimate if estimate is not None and estimate.located else None
 
 
 def position(name: str) -> Read:

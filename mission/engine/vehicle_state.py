@@ -23,7 +23,6 @@ from mission.model import (
     Estimate,
     Health,
     Local,
-    NavigationMode,
     Place,
     Position,
     Vertical,
@@ -312,7 +311,7 @@ class VehicleState:
     def believable(self, need: str) -> bool:
         """A sensor, or ``position``: estimated from anything at all, fixes or dead reckoning."""
         if need == "position":
-            return self.estimate is not None and self.estimate.mode is not NavigationMode.NONE
+            return self.estimate is not None and self.estimate.located
         return self.health(need).valid
 
     def surfaced(self, since: float) -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import enum
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -40,6 +41,12 @@ class Estimate(NamedTuple):
     nis: tuple[float, int] | None
     fix_age: float | None
     mode: NavigationMode
+
+    @property
+    def located(self) -> bool:
+        """It says a position, and of numbers: what is none would be beyond no limit."""
+        told = self.north + self.east + sum(self.covariance)
+        return self.mode is not NavigationMode.NONE and math.isfinite(told)
 
 
 @dataclass(frozen=True, slots=True)

@@ -305,10 +305,12 @@ class Filter:
     def widen(self, factor: float) -> None:
         """Multiplies the covariance of all that moves the position; correlations stay. Compass,
         thrusters and water never get much less known than before anything was heard: at rest
-        nothing would ever bring them back, and a filter cannot compute with what they grow to."""
+        nothing would ever bring them back, and a filter cannot compute with what they grow to. What
+        the vehicle file says is known for sure stays so."""
         p = self.kalman.P.copy()
         plane = p[:DEPTH, :DEPTH]
-        room = self._loosest / plane.diagonal()
+        known = plane.diagonal()
+        room = np.divide(self._loosest, known, out=np.full(DEPTH, math.inf), where=known > 0.0)
         if (room >= factor).all():
             plane *= factor
         else:  # what is added is positive: a share of the widening for each state

@@ -453,6 +453,12 @@ def test_a_position_is_believed_from_anything_but_nothing():
     navigation.mode = NavigationMode.NONE
     told(vehicle_state, 12.0)
     assert not vehicle_state.believable("position")
+    navigation.mode, navigation.north = NavigationMode.FIX, math.nan
+    told(vehicle_state, 13.0)
+    assert not vehicle_state.believable("position")
+    navigation.north, navigation.covariance = 0.0, (1.0, 0.0, math.nan)
+    told(vehicle_state, 13.5)
+    assert not vehicle_state.believable("position")
     assert vehicle_state.believable("heading")
     navigation.doubt["heading"] = "frozen"
     told(vehicle_state, 14.0)

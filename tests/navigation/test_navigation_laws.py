@@ -406,6 +406,25 @@ def test_a_receiver_that_contradicts_itself_leaves_a_filter_that_can_be_computed
     assert (covariance.diagonal()[2:12] <= 26.0 * before).all()
 
 
+@pytest.mark.parametrize("sure", ["surface_drift", "speed_noise", "deviation_sigma"])
+def test_a_gate_that_opens_finds_the_vehicle_though_its_file_says_a_sigma_of_0(
+    vehicle: Vehicle, sure: str
+) -> None:
+    calibration = replace(vehicle.calibration, **{sure: 0.0})
+    nav = Navigation(replace(vehicle, calibration=calibration), HOME)
+    latitude, longitude = math.radians(HOME.latitude_deg), math.radians(HOME.longitude_deg)
+    for second in range(120):
+        t, north = float(second), 500.0 if second >= 60 else 0.0
+        if second % 2 == 0:
+            nav.telemetry(Telemetry(t, depth=0.1, heading=1.0, pitch=0.0, actuators=(0.0,) * 5))
+        there = latitude + (north + 0.01 * (second % 7)) / EARTH
+        nav.fix(Fix(t + 0.3, there, longitude, 2.5, hdop=1.0))
+    estimate = nav.estimate(120.0)
+    assert estimate is not None
+    assert estimate.located
+    assert estimate.north == pytest.approx(500.0, rel=0.02)
+
+
 def test_the_declination_that_the_first_fix_brings_is_no_turn() -> None:
     """At rest in a current: what receivers say of it is taken in as if there were none."""
     east, learned = 0.3, []
