@@ -1,9 +1,9 @@
 """Whether the vehicle is upside down: a state of the vehicle, not a fault of its sensor (R7).
 
 Beyond 90 degrees a roll is out of the range that document 000 gives it (table 3.2), so sensor
-health takes it for absurd. Three reports in a row that differ from each other and agree on it are
-taken for the truth; full-scale garbage repeats itself. What repeats itself to the last bit while
-thrust is on, or for a minute, tells nothing more, whatever it says.
+health takes it for absurd. Three reports in a row that differ from each other and agree on it (or
+on 120 degrees) are taken for the truth; full-scale garbage repeats itself. What repeats itself to
+the last bit while thrust is on, or for a minute, tells nothing more, whatever it says.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ from mission.engine.thrust import turns
 from protocol.messages import Telemetry
 
 OVERTURNED = math.radians(120.0)  # |roll| or |pitch|
+_ON_ITS_SIDE = math.radians(90.0)  # the same: no report of a sound sensor, as health believes it
 _REPORTS = 3
 _FULL_CIRCLE = math.radians(180.5)  # beyond it is no angle
 _SAME = 1e-9  # rad
@@ -26,7 +27,8 @@ class Attitude(NamedTuple):
     """What the last reports said; ``reports`` of them in a row were beyond 120 degrees. ``told``:
     there has been one; ``gone``: and the last report says nothing of it; ``broken``: when the last
     one came that was no angle, s; ``same``: how often roll, and pitch, was repeated to the last bit
-    while thrust was on; ``stood``: for how long both have been so, s."""
+    while thrust was on; ``stood``: for how long both have been so, s; ``beyond``: as ``reports``,
+    of 90 degrees."""
 
     roll: float = 0.0
     pitch: float = 0.0
@@ -37,10 +39,16 @@ class Attitude(NamedTuple):
     same: tuple[int, int] = 0, 0
     stood: float = 0.0
     t: float = -math.inf  # of the report
+    beyond: int = 0
 
     @property
     def overturned(self) -> bool:
         return self.reports >= _REPORTS
+
+    @property
+    def on_its_side(self) -> bool:
+        """Or further over."""
+        return self.beyond >= _REPORTS
 
     @property
     def frozen(self) -> bool:
@@ -58,17 +66,19 @@ class Attitude(NamedTuple):
         """With one more report; one without roll or pitch says that nothing is known (any more)."""
         roll, pitch = report.roll, report.pitch
         if roll is None or pitch is None:
-            return self._replace(reports=0, gone=self.told)
-        worst, reports, broken = max(abs(roll), abs(pitch)), 0, self.broken
+            return self._replace(reports=0, gone=self.told, beyond=0)
+        worst, reports, broken, beyond = max(abs(roll), abs(pitch)), 0, self.broken, 0
         if worst > _FULL_CIRCLE:
             broken = report.t
-        elif worst > OVERTURNED:
+        elif worst > _ON_ITS_SIDE:
             repeats = _apart(roll, self.roll) < _SAME and _apart(pitch, self.pitch) < _SAME
-            reports = self.reports + (not repeats or not self.reports)
+            beyond = self.beyond + (not repeats or not self.beyond)
+            if worst > OVERTURNED:
+                reports = self.reports + (not repeats or not self.reports)
         same = self._repeated(report, roll, pitch) if self.told else (0, 0)
         again = self.told and (roll, pitch) == (self.roll, self.pitch)
         stood = self.stood + report.t - self.t if again else 0.0
-        return Attitude(roll, pitch, reports, True, False, broken, same, stood, report.t)
+        return Attitude(roll, pitch, reports, True, False, broken, same, stood, report.t, beyond)
 
     def _repeated(self, report: Telemetry, roll: float, pitch: float) -> tuple[int, int]:
         (rolls, pitches), more = self.same, turns(report)

@@ -186,12 +186,15 @@ def _passed(due: Callable[[Watch], float | None]) -> Callable[[Watch], bool | No
 
 
 def _roll(watch: Watch) -> bool | None:
-    report = watch.vehicle_state.telemetry
-    if watch.vehicle_state.overturned:
+    seen = watch.vehicle_state
+    report = seen.telemetry
+    if seen.overturned:
         return True
-    if report is None or report.roll is None or not watch.vehicle_state.health("attitude").valid:
+    if report is None or report.roll is None:
         return None
-    return max(abs(report.roll), abs(report.pitch or 0.0)) > watch.vehicle.limits.roll
+    over = max(abs(report.roll), abs(report.pitch or 0.0)) > watch.vehicle.limits.roll
+    believed = seen.health("attitude").valid or (over and seen.attitude.on_its_side)
+    return over if believed else None
 
 
 def _leak(watch: Watch) -> bool | None:

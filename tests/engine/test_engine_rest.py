@@ -1200,6 +1200,24 @@ def test_upside_down_is_what_three_reports_that_change_agree_on(reports, over: b
 
 
 @pytest.mark.parametrize(
+    ("reports", "beyond"),
+    [
+        ([(95.0, 1.0), (96.0, 2.0), (-170.0, 1.0)], True),
+        ([(1.0, 95.0), (2.0, 110.0), (1.0, 100.0)], True),
+        ([(95.0, 1.0), (96.0, 2.0)], False),
+        ([(89.0, 1.0), (88.0, 2.0), (89.5, 1.0)], False),
+        ([(100.0, 1.0), (80.0, 2.0), (101.0, 1.0), (102.0, 1.0)], False),
+        ([(100.0, 1.0), (None, None), (101.0, 1.0), (102.0, 1.0)], False),
+        ([(100.0, 1.0), (900.0, 2.0), (101.0, 1.0), (102.0, 1.0)], False),
+        ([(100.0, 1.0)] * 9, False),  # it repeats itself
+        ([(180.0, 180.0)] * 9, False),  # full scale
+    ],
+)
+def test_on_its_side_is_what_three_reports_that_change_agree_on(reports, beyond: bool):
+    assert attitude(*reports).on_its_side is beyond
+
+
+@pytest.mark.parametrize(
     ("reports", "doubtful"),
     [
         ([(170.0 + i % 2, 1.0) for i in range(3)] + [(170.0, 1.0)] * 31, True),  # for a minute
@@ -1237,6 +1255,25 @@ def test_upside_down_rolls_over_a_mission_and_begins_by_letting_go():
     assert world.state == SURFACING
     assert world.commands()[-1] is Order.STOP
     assert "roll or pitch" in world.engine.reason
+
+
+@pytest.mark.parametrize(
+    ("rolls", "state"),
+    [
+        ((95.0, 100.0, 110.0, 118.0), SURFACING),
+        ((95.0, 100.0, 110.0), "autonomous/a"),
+    ],
+)
+def test_on_its_side_rolls_over_a_mission(rolls: tuple[float, ...], state: str):
+    world = World(mission(leg("a", timeout=600.0, settings=sets(surge=0.5, depth=5.0))))
+    assert world.start()
+    world.depth = 5.0
+    world.wait(2.0)
+    world.nav.doubt["attitude"] = "absurd"  # beyond the document's range
+    for degrees in rolls:
+        world.roll = math.radians(degrees)
+        world.wait(2.0)
+    assert world.state == state
 
 
 def test_a_restart_into_surfaced_watches_as_before():

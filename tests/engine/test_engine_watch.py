@@ -565,6 +565,17 @@ def test_a_roll_over_is_either_angle_beyond_the_vehicles_own(angle: str):
     assert [row.name for row in rows] == ["roll-over"]
 
 
+def test_a_vehicle_that_may_lie_on_its_side_has_rolled_over_beyond_its_own_limit_alone():
+    own = replace(VEHICLE, limits=replace(VEHICLE.limits, roll=math.radians(110.0)))
+    one, row = watch(vehicle=own), LIMITS["roll-over"]
+    one.vehicle_state.navigation.doubt["attitude"] = "absurd"  # beyond the document's range
+    for second, (degrees, over) in enumerate(
+        ((95.0, None), (105.0, None), (108.0, None), (112.0, True), (112.0, True), (80.0, None))
+    ):
+        heard(one, 12.0 + second, roll=math.radians(degrees), pitch=0.0)
+        assert row.breached(one) is over
+
+
 def test_a_limit_that_is_forgiven_counts_anew():
     one = watch(roll=3.0)
     row = next(row for row in LIMITS.values() if row.name == "roll-over")
