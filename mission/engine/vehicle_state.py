@@ -10,7 +10,6 @@ What does not live here: the filter and the health rules (navigation), what foll
 from __future__ import annotations
 
 import math
-import statistics
 from typing import Self
 
 from mission.engine.attitude import Attitude
@@ -29,7 +28,7 @@ from mission.model import (
 )
 from mission.model.copies import copied
 from mission.model.vehicle import STALE_AFTER
-from mission.navigation.fixes import FIX_DEPTH, Receiver, metres
+from mission.navigation.fixes import FIX_DEPTH, HOME_OF, Receiver, home_of
 from protocol.messages import Aid, Fix, Order, Setpoint, Telemetry
 
 SURFACE_DEPTH = 0.5  # m (R7)
@@ -38,9 +37,6 @@ SURFACE_TIME = 6.0  # s (R7)
 _ALL = 0.75  # share of full thrust: as deep, or as high, as it goes
 _POSITION_PERIOD = 1.0  # s: the errors of one second's positions are one error
 _ESTIMATE_AGE = 2.5  # s: older, and it is reckoned on to now
-_MEDIAN_OF = 5  # fixes (R9)
-_SCATTER = 10.0  # m (R9)
-_HDOP = 3.0  # (R9)
 FIX_AGE = 5.0  # s: an older fix is none (R9)
 WRONG_FOR = 20.0  # s that a depth may have been wrong and was believed (R5)
 _NEAR = 1.0  # m: a report before the surface's 0.5 m, on the way up
@@ -69,6 +65,7 @@ class VehicleState:
         self.fixes: tuple[Fix, ...] = ()  # the last five, neither stale nor too deep, oldest first
         self.receiver = Receiver()
         self._fixed_at = -math.inf  # of the last one that proves the surface
+        self._received_at = -math.inf  # of the last news that is not the vehicle's own
         self.estimate: Estimate | None = None
         self.attitude = Attitude()
         self._travelled = math.inf, -math.inf  # m, s: by a depth whose zero is wrong
@@ -184,7 +181,8 @@ class VehicleState:
         self._position_at = report.t
         own = Fix(report.t, *place, accuracy=math.inf)
         shallow = self._shallow_since
-        if shallow is not None and report.t >= shallow + SURFACE_TIME:
+        received = report.t - self._received_at <= FIX_AGE  # then that is where it is (R9)
+        if shallow is not None and report.t >= shallow + SURFACE_TIME and not received:
             self.take_fix(own)
         elif self.navigation:
             self.navigation.fix(own)
@@ -192,10 +190,12 @@ class VehicleState:
 
     def take_fix(self, fix: Fix) -> None:
         self.receiver.take(fix)
+        if self.receiver.fresh and fix.accuracy < math.inf:
+            self._received_at = fix.t
         if self._proves_surface(fix):
             self._fixed_at = fix.t
         if not self.receiver.stale and (self.depth is None or self.depth < FIX_DEPTH):
-            self.fixes = (*self.fixes[1 - _MEDIAN_OF :], fix)
+            self.fixes = (*self.fixes[1 - HOME_OF :], fix)
         if self.navigation:
             self.navigation.fix(fix)
             self.estimate = self.navigation.estimate(fix.t)
@@ -349,17 +349,5 @@ class VehicleState:
         return None if self._offset is None else (heading + self._offset) % (2.0 * math.pi)
 
     def home_from_fixes(self) -> Position | None:
-        """R9: the median of five consecutive good fixes within 10 m, else None."""
-        if len(self.fixes) < _MEDIAN_OF or not all(_good(f) for f in self.fixes):
-            return None
-        latitude = statistics.median(f.latitude for f in self.fixes)
-        longitude = statistics.median(f.longitude for f in self.fixes)
-        if any(metres(latitude, longitude, f.latitude, f.longitude) > _SCATTER for f in self.fixes):
-            return None
-        return Position(math.degrees(latitude), math.degrees(longitude))
-
-
-def _good(fix: Fix) -> bool:
-    """What the vehicle itself says of its place, at a proved surface, has no HDOP."""
-    own = fix.accuracy == math.inf
-    return own or (fix.hdop is not None and fix.hdop <= _HDOP)
+        """R9"""
+        return home_of(self.fixes)

@@ -1,4 +1,4 @@
-"""Judges GPS fixes as evidence of the surface.
+"""Judges GPS fixes as evidence of the surface, and as a place to start from.
 
 A place that it has said lately, to the last bit, is no news: a receiver that got stuck says one
 place, two in turn or a few, with or without pauses, under water too. And one that wanders under
@@ -12,8 +12,11 @@ What does not live here: what contradicts a fix (engine, navigation), the senten
 from __future__ import annotations
 
 import math
+import statistics
+from collections.abc import Sequence
 from typing import Self
 
+from mission.model import Position
 from mission.model.copies import copied
 from mission.navigation.geodesy import EARTH
 from protocol.messages import Fix
@@ -27,6 +30,8 @@ _SILENT = 60.0  # s without a fix: what is said again after it is stale
 _GAP = 2.5  # s between fixes: one second's may be missing
 _HDOP, _SATELLITES = 5.0, 4
 _FASTEST = 4.0  # m/s over ground: a current, the thrusters and a wave together
+HOME_OF = 5  # fixes (R9)
+_SCATTER, _HOME_HDOP = 10.0, 3.0  # m of them; (R9)
 _LEAP = 15.0  # m beside that between two fixes: six sigma of a plain receiver
 
 
@@ -106,6 +111,23 @@ def _good(fix: Fix) -> bool:
         and (fix.satellites is None or fix.satellites >= _SATELLITES)
         and (fix.speed is None or fix.speed <= _FASTEST)
     )
+
+
+def home_of(fixes: Sequence[Fix]) -> Position | None:
+    """R9: the median of five consecutive good fixes within 10 m, else None."""
+    if len(fixes) < HOME_OF or not all(_starts(f) for f in fixes):
+        return None
+    latitude = statistics.median(f.latitude for f in fixes)
+    longitude = statistics.median(f.longitude for f in fixes)
+    if any(metres(latitude, longitude, f.latitude, f.longitude) > _SCATTER for f in fixes):
+        return None
+    return Position(math.degrees(latitude), math.degrees(longitude))
+
+
+def _starts(fix: Fix) -> bool:
+    """What the vehicle itself says of its place, at a proved surface, has no HDOP."""
+    own = fix.accuracy == math.inf
+    return own or (fix.hdop is not None and fix.hdop <= _HOME_HDOP)
 
 
 def metres(lat_a: float, lon_a: float, lat_b: float, lon_b: float) -> float:

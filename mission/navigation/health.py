@@ -214,6 +214,10 @@ class SensorHealth:
         good = monitor.observe(CHANNELS["position"], f.t, value, self.moving, False)
         return good and not receiver.stale and (own or not self._under_water(f.t))
 
+    def receives(self, now: float) -> bool:
+        """A receiver has lately said a place that is news, and not under water."""
+        return now - self.receiver.news_at <= _GPS and not self._under_water(now)
+
     def _under_water(self, now: float) -> bool:
         """By a depth that is believed: a receiver that says a place there made it up."""
         return self.monitors["depth"].good >= FIX_DEPTH and self.of("depth", now).valid

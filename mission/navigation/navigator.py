@@ -55,6 +55,7 @@ class Navigation:
         self._history: deque[tuple[Item, tuple[Any, ...]]] = deque(maxlen=_KEEP)
         self._aided: Mapping[str, float] = {}  # when; replaced, never written to
         self.dropped = 0  # items that came too late to be of use
+        self._own_off = 0.0, 0.0  # m: what the vehicle reckons itself, when fixes last came
         self.frame: LocalFrame | None = None
         self._declination = vehicle.declination or 0.0
         if origin is not None:
@@ -77,7 +78,7 @@ class Navigation:
         """Without any fix, the vehicle is at the origin: positions count from the start. Where that
         is on the earth the next fix tells, or a home that is set; no frame of before does."""
         self.core.place(now, 0.0, 0.0, sigma * sigma)
-        self.frame = None
+        self.frame, self._own_off = None, (0.0, 0.0)
         self._history.clear()
 
     def assume_current(self, most: float) -> None:
@@ -136,6 +137,12 @@ class Navigation:
         self._health.belief = DepthBelief()
 
     def fix(self, f: Fix) -> None:
+        """What the vehicle reckons itself is none: passed over while a receiver says places, and
+        later it tells how far the vehicle is from where that was."""
+        own = f.accuracy == math.inf
+        if own and self._health.receives(f.t):
+            self._compare(f)
+            return
         if not self._health.fix(f):
             return
         if self._date is None and f.utc is not None:
@@ -145,11 +152,19 @@ class Navigation:
             self._settle(self._frame_through(f))
         assert self.frame is not None
         north, east = self.frame.to_local(f.latitude, f.longitude)
+        if own:
+            north, east = north - self._own_off[0], east - self._own_off[1]
         sigma = f.accuracy if 0.0 < f.accuracy < math.inf else self._vehicle.sensors.fix
         velocity = None
         if f.speed is not None and f.course is not None:
             velocity = f.speed * math.cos(f.course), f.speed * math.sin(f.course)
         self._take(GroundFix(f.t, north, east, sigma * sigma, velocity))
+
+    def _compare(self, own: Fix) -> None:
+        if self.frame is not None and self.core.located:
+            x = self.core.filter.x
+            north, east = self.frame.to_local(own.latitude, own.longitude)
+            self._own_off = north - float(x[0]), east - float(x[1])
 
     def aid(self, a: Aid) -> None:
         """Of a sensor that was added. A place waits for a frame, and so does the way to a beacon,
@@ -278,18 +293,18 @@ class Navigation:
     def snapshot(self) -> Any:
         """Everything that ``restore`` needs to go on from here, to the last bit."""
         monitors = {name: copy(m) for name, m in self._health.monitors.items()}
-        kept = (self.frame, self._date, self._declination, self.dropped, self._aided)
+        kept = (self.frame, self._own_off, self._date, self._declination, self.dropped)
         health = self._health
         judges = health.receiver.clone(), health.own.clone(), health.belief.clone()
         seen = health.moving, *judges
-        return self.core.save(), monitors, tuple(self._history), kept, seen
+        return self.core.save(), monitors, tuple(self._history), kept, seen, self._aided
 
     def restore(self, snapshot: Any) -> None:
-        core, monitors, history, kept, seen = snapshot
+        core, monitors, history, kept, seen, self._aided = snapshot
         self.core.load(core)
         self._health.monitors = {name: copy(m) for name, m in monitors.items()}
         self._health.moving, receiver, own, belief = seen
         self._health.receiver, self._health.own = receiver.clone(), own.clone()
         self._health.belief = belief.clone()
         self._history = deque(history, maxlen=_KEEP)
-        self.frame, self._date, self._declination, self.dropped, self._aided = kept
+        self.frame, self._own_off, self._date, self._declination, self.dropped = kept

@@ -8,9 +8,9 @@ from dataclasses import replace
 import pytest
 from engine_world import HOME, VEHICLE, M, W, World, X, leg, mission, sets
 
-from mission.engine.vehicle_state import metres
 from mission.legs import Yoyo
 from mission.model import IDLE_READY, MANUAL_DRIVING, STOPPED, SURFACING, NavigationMode, Restarted
+from mission.navigation.fixes import metres
 from protocol.messages import ClearMission, Emergency, Manual, Order, SetSafety, StartMission
 
 MISSION = mission(leg("a", timeout=600.0), leg("b"))

@@ -509,6 +509,19 @@ def test_the_vehicles_own_position_is_a_fix_once_the_depth_has_proved_the_surfac
     assert vehicle_state.fix.t == 16.0
 
 
+def test_the_vehicles_own_position_is_no_fix_while_a_receiver_says_places():
+    vehicle_state = VehicleState(Navigation())
+    for t in (10.0, 12.0, 14.0, 16.0, 17.0):
+        told(vehicle_state, t)
+    vehicle_state.take_fix(fix(17.5))
+    for t in range(18, 30):
+        told(vehicle_state, float(t), position=(0.5, 2.0))
+        vehicle_state.take_fix(fix(t + 0.5, north=0.1 * min(t, 24)))  # then it is stuck
+        assert all(f.accuracy < math.inf for f in vehicle_state.fixes)
+    told(vehicle_state, 30.0, position=(0.5, 2.0))
+    assert vehicle_state.fix.accuracy == math.inf
+
+
 def test_a_place_is_metres_from_home_and_unknown_where_home_is():
     navigation = Navigation()
     vehicle_state = VehicleState(navigation)

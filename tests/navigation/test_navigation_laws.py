@@ -261,6 +261,33 @@ def test_a_restored_snapshot_knows_the_places_that_the_vehicle_had_reckoned(
     assert nav.health("position", 5.0).reason == "frozen"
 
 
+def reckoned(nav: Navigation, begin: int, end: int, north: float, fixes: bool) -> float:
+    """What the vehicle reckons itself, m; beside it a receiver at 0 m; where it is by the end."""
+    for second in range(begin, end):
+        t, depth = float(second), 0.1 if fixes or begin == 0 else 5.0
+        living = 0.01 * (second % 3)
+        nav.telemetry(Telemetry(t, depth=depth + living, heading=1.0, actuators=(0.0,) * 5))
+        latitude, longitude = math.radians(HOME.latitude_deg), math.radians(HOME.longitude_deg)
+        nav.fix(Fix(t + 0.1, latitude + (north + living) / EARTH, longitude, math.inf))
+        if fixes:
+            nav.fix(Fix(t + 0.5, latitude + living / EARTH, longitude, 2.5, hdop=1.0))
+    estimate = nav.estimate(float(end))
+    assert estimate is not None
+    return estimate.north
+
+
+def test_a_receiver_is_believed_against_what_the_vehicle_reckons_itself(vehicle: Vehicle) -> None:
+    nav = Navigation(vehicle, HOME)
+    assert reckoned(nav, 0, 20, 100.0, fixes=False) == pytest.approx(100.0, abs=1.0)
+    assert reckoned(nav, 20, 30, 100.0, fixes=True) == pytest.approx(0.0, abs=3.0)
+    assert reckoned(nav, 30, 60, 100.0, fixes=True) == pytest.approx(0.0, abs=1.0)
+    kept, nav = nav.snapshot(), Navigation(vehicle)
+    nav.restore(kept)
+    # under water it tells how far the vehicle has come, and moves it nowhere else
+    assert reckoned(nav, 60, 90, 100.0, fixes=False) == pytest.approx(0.0, abs=1.0)
+    assert reckoned(nav, 90, 120, 130.0, fixes=False) == pytest.approx(30.0, abs=2.0)
+
+
 def test_asking_changes_nothing(vehicle: Vehicle, dive: list[Item]) -> None:
     asked, silent = Navigation(vehicle, HOME), Navigation(vehicle, HOME)
     for item in dive[:150]:
