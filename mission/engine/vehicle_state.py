@@ -62,7 +62,7 @@ class VehicleState:
         self._rise, self._sink, self._deepest = rise, sink, deepest
         self.now = 0.0
         self.telemetry: Telemetry | None = None
-        self.fixes: tuple[Fix, ...] = ()  # the last five, neither stale nor too deep, oldest first
+        self.fixes: tuple[Fix, ...] = ()  # the last five, not stale nor too deep, oldest first
         self.receiver = Receiver()
         self._fixed_at = -math.inf  # of the last one that proves the surface
         self._received_at = -math.inf  # of the last news that is not the vehicle's own
@@ -71,6 +71,7 @@ class VehicleState:
         self._travelled = math.inf, -math.inf  # m, s: by a depth whose zero is wrong
         self.believed_depth: float | None = None  # the last one that could be believed
         self._believed_at = -math.inf
+        self._deep_at = -math.inf  # of the last report, believed or not, where a fix is none
         self.rising_since: float | None = None  # the ascent's first word, and no other leg since
         self.command: Setpoint | None = None  # in force at the vehicle
         self.word: Setpoint | Order | None = None  # that was said last; None under the stick
@@ -120,6 +121,8 @@ class VehicleState:
             self._expected, self._told = math.inf, (None, -math.inf)
         before = self._told[0] if self.lives else None
         lives = depth is not None and self._has_changed(depth)
+        if report.depth is not None and report.depth >= FIX_DEPTH:
+            self._deep_at = report.t
         if lives:
             self.believed_depth, self._believed_at = depth, report.t
         if depth is None or not IN_AIR < depth < SURFACE_DEPTH or not lives:
@@ -190,11 +193,13 @@ class VehicleState:
 
     def take_fix(self, fix: Fix) -> None:
         self.receiver.take(fix)
-        if self.receiver.fresh and fix.accuracy < math.inf:
+        own = fix.accuracy == math.inf
+        if self.receiver.fresh and not own:
             self._received_at = fix.t
         if self._proves_surface(fix):
             self._fixed_at = fix.t
-        if not self.receiver.stale and (self.depth is None or self.depth < FIX_DEPTH):
+        of_before = self.receiver.stale or not (own or self._received_at >= self._deep_at)
+        if not of_before and (self.depth is None or self.depth < FIX_DEPTH):
             self.fixes = (*self.fixes[1 - HOME_OF :], fix)
         if self.navigation:
             self.navigation.fix(fix)

@@ -153,7 +153,7 @@ def test_a_mission_that_begins_uncertain_is_answered_like_one_that_becomes_so():
         world.vehicle,
     )
     world.tell(Loaded(chart))
-    world.tell(world.report(), world.fix())
+    world.tell(world.report(), world.fix(north=1.0))
     world.tell(StartMission())
     assert world.state == "autonomous/out"
     world.wait(4.0)

@@ -249,6 +249,19 @@ def test_places_of_before_a_dive_that_are_said_again_behind_it_start_no_mission(
     assert refusal(world, StartMission())[:13] == ("home is 252 m" if home else "")
 
 
+@pytest.mark.parametrize("home", [HOME, None])
+def test_a_receiver_that_got_stuck_as_it_went_under_starts_no_mission_behind_the_dive(home):
+    """It says its last place on without a pause, so nothing else tells that this is of before."""
+    world = World(replace(MISSION, home=home))
+    last = [world.fix(north=0.5 * n) for n in range(5)]
+    for depth in (0.1, 0.7, 5.0, 5.01, 0.7, 0.1, 0.11):
+        world.depth, world.t = depth, world.t + 2.0
+        world.tell(world.report(), *(replace(fix, t=world.t) for fix in last))
+    assert refusal(world, StartMission()).startswith("no fix for 5 s" if home else "no home")
+    world.tell(*(world.fix(north=250.0 + 0.5 * n) for n in range(5)))
+    assert refusal(world, StartMission())[:13] == ("home is 252 m" if home else "")
+
+
 def test_without_a_fix_a_mission_that_allows_it_reckons_from_where_it_is():
     for home, frame in ((HOME, HOME), (None, None)):
         world = World(mission(leg("a"), home=home, start_without_fix=True))
