@@ -47,6 +47,11 @@ class LocalFrame:
         outward = self._co * dx + self._so * dy
         return self._cl * dz - self._sl * outward, self._co * dy - self._so * dx
 
+    def reaches(self, latitude: float, longitude: float) -> bool:
+        """Whether ``to_geodetic`` finds the place again, to a metre."""
+        lat, lon = self.to_geodetic(*self.to_local(latitude, longitude))
+        return math.dist(_ecef(lat, lon), _ecef(latitude, longitude)) < 1.0
+
     def to_geodetic(self, north: float, east: float) -> tuple[float, float]:
         """Latitude and longitude; the inverse of ``to_local`` to 1e-9 m within 100 km."""
         lat, lon = math.radians(self.origin.latitude_deg), math.radians(self.origin.longitude_deg)

@@ -31,6 +31,7 @@ if TYPE_CHECKING:
 _LATEST = 15.0  # s: what is later than this is dropped
 _AIDS_APART = 0.8  # s between two that count, of one kind: each second, told unevenly
 _KEEP = 64  # items of input that can be gone back over
+_FAR = 100_000.0  # m from the origin, to which its plane is as good as exact
 _FRESH = 5.0  # s: a younger fix means that fixes are coming in (protocols R9)
 
 
@@ -57,6 +58,7 @@ class Navigation:
         self.dropped = 0  # items that came too late to be of use
         self._own_off = 0.0, 0.0  # m: what the vehicle reckons itself, when fixes last came
         self.frame: LocalFrame | None = None
+        self._counted = origin is not None  # positions count from there, or from a mission's start
         self._declination = vehicle.declination or 0.0
         if origin is not None:
             self._settle(LocalFrame(origin))
@@ -72,13 +74,14 @@ class Navigation:
             north, east = new.to_local(*here)
             core.filter.shift(north - float(x[0]), east - float(x[1]))
             core.settle()
+        self._counted = True
         self._settle(new)
 
     def start_here(self, now: float, sigma: float = 0.1) -> None:
         """Without any fix, the vehicle is at the origin: positions count from the start. Where that
         is on the earth the next fix tells, or a home that is set; no frame of before does."""
         self.core.place(now, 0.0, 0.0, sigma * sigma)
-        self.frame, self._own_off = None, (0.0, 0.0)
+        self.frame, self._own_off, self._counted = None, (0.0, 0.0), True
         self._history.clear()
 
     def assume_current(self, most: float) -> None:
@@ -159,6 +162,18 @@ class Navigation:
         if f.speed is not None and f.course is not None:
             velocity = f.speed * math.cos(f.course), f.speed * math.sin(f.course)
         self._take(GroundFix(f.t, north, east, sigma * sigma, velocity))
+        if not self._counted and math.hypot(north, east) > _FAR:
+            self._go_there(f, sigma)
+
+    def _go_there(self, f: Fix, sigma: float) -> None:
+        """Settles another frame once a fix has been used of which this one cannot tell the place:
+        the first fix was wild."""
+        assert self.frame is not None
+        used = self.core.last_fix == self.core.t == f.t
+        if used and not self.frame.reaches(f.latitude, f.longitude):
+            self.core.place(f.t, 0.0, 0.0, sigma * sigma)
+            self._own_off = 0.0, 0.0
+            self._settle(LocalFrame(Position(math.degrees(f.latitude), math.degrees(f.longitude))))
 
     def _compare(self, own: Fix) -> None:
         if self.frame is not None and self.core.located:
@@ -293,18 +308,19 @@ class Navigation:
     def snapshot(self) -> Any:
         """Everything that ``restore`` needs to go on from here, to the last bit."""
         monitors = {name: copy(m) for name, m in self._health.monitors.items()}
-        kept = (self.frame, self._own_off, self._date, self._declination, self.dropped)
+        kept = (self.frame, self._counted, self._own_off, self._date, self._declination)
         health = self._health
         judges = health.receiver.clone(), health.own.clone(), health.belief.clone()
         seen = health.moving, *judges
-        return self.core.save(), monitors, tuple(self._history), kept, seen, self._aided
+        late = self._aided, self.dropped
+        return self.core.save(), monitors, tuple(self._history), kept, seen, late
 
     def restore(self, snapshot: Any) -> None:
-        core, monitors, history, kept, seen, self._aided = snapshot
+        core, monitors, history, kept, seen, (self._aided, self.dropped) = snapshot
         self.core.load(core)
         self._health.monitors = {name: copy(m) for name, m in monitors.items()}
         self._health.moving, receiver, own, belief = seen
         self._health.receiver, self._health.own = receiver.clone(), own.clone()
         self._health.belief = belief.clone()
         self._history = deque(history, maxlen=_KEEP)
-        self.frame, self._own_off, self._date, self._declination, self.dropped = kept
+        self.frame, self._counted, self._own_off, self._date, self._declination = kept

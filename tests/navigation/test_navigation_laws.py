@@ -313,6 +313,40 @@ def test_another_home_moves_the_frame_and_not_the_vehicle(
     assert e.north < -400.0
 
 
+@pytest.mark.parametrize("wild", [(0.0, 0.0), (59.0, -10.0), (-30.0, -90.0), (31.0, 121.0)])
+def test_a_wild_first_fix_leaves_a_frame_that_can_tell_where_the_vehicle_is(
+    vehicle: Vehicle, wild: tuple[float, float]
+) -> None:
+    nav = Navigation(vehicle)
+    nav.telemetry(Telemetry(0.0, depth=0.1, heading=1.0, actuators=(0.0,) * 5))
+    nav.fix(Fix(0.5, *map(math.radians, wild), 2.5, hdop=1.0))
+    latitude, longitude = math.radians(HOME.latitude_deg), math.radians(HOME.longitude_deg)
+    for second in range(1, 7):
+        nav.fix(Fix(float(second), latitude + 0.1 * second / EARTH, longitude, 2.5, hdop=1.0))
+        nav.telemetry(Telemetry(second + 0.5, depth=0.1, heading=1.0, actuators=(0.0,) * 5))
+    kept, nav = nav.snapshot(), Navigation(vehicle)
+    nav.restore(kept)
+    nav.set_origin(HOME, 7.0)
+    estimate = nav.estimate(7.0)
+    assert estimate is not None
+    assert math.hypot(estimate.north, estimate.east) < 2.0
+
+
+def test_a_frame_that_a_mission_counts_from_stays_wherever_fixes_are(vehicle: Vehicle) -> None:
+    for homed in (False, True):
+        nav = Navigation(vehicle)
+        nav.start_here(0.0)
+        nav.telemetry(Telemetry(0.0, depth=0.1, heading=1.0, actuators=(0.0,) * 5))
+        if homed:
+            nav.set_origin(HOME, 0.0)
+        nav.fix(Fix(0.5, 0.1, 0.1, 2.5, hdop=1.0))
+        assert nav.frame is not None
+        origin = nav.frame.origin
+        for second in range(1, 7):
+            nav.fix(Fix(float(second), 0.5, 0.5 + 1e-7 * second, 2.5, hdop=1.0))
+        assert nav.frame.origin == origin
+
+
 def test_a_vehicle_held_by_hand_is_not_sure_of_the_current_that_it_dives_into(
     vehicle: Vehicle,
 ) -> None:
