@@ -4,8 +4,9 @@
     Pi -> STM32   @ZA.. (protocol.motion_frame), relayed R, M and rudder frames
 
 Units and signs are converted once, here: yaw is positive to port, so heading = -yaw; PWM 1000..
-2000 us become -1..1; magnetometers are uT on the wire. Actuators in order: left main, right main,
-rear, left and right vertical thruster, left and right servo.
+2000 us become -1..1 (no pulse is neutral; a thruster's width that is no PWM tells nothing of any);
+magnetometers are uT on the wire. Actuators in order: left main, right main, rear, left and right
+vertical thruster, left and right servo.
 
 Two dialects of the Z class:
 
@@ -47,7 +48,7 @@ from protocol.topside import (
 from protocol.vehicles.auv_outputs import CHANNELS, frames_of
 from protocol.vehicles.channels import at_rest
 from protocol.vehicles.keys import Keys, Wire, baud
-from protocol.vehicles.sd_stream import sd_reader
+from protocol.vehicles.sd_stream import fractions_of, sd_reader
 
 KEYS: Keys = (baud(9600),)
 
@@ -136,7 +137,7 @@ def telemetry(raw: bytes, t: float, battery_scale: BatteryScale = (1.0, 1.0)) ->
         roll=roll,
         temperature_c=values["temperature_c"],
         magnetic=None if None in magnetic else tuple(value * 1e-6 for value in magnetic),
-        actuators=tuple((values[f"pwm_{name}"] - 1500) / 500 for name in ACTUATORS),
+        actuators=fractions_of([values[f"pwm_{name}"] for name in ACTUATORS]),
         batteries=(
             values["battery_control"] * battery_scale[0],
             values["battery_power"] * battery_scale[1],

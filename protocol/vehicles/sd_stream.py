@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import math
 import struct
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import TypeAlias
 
 from protocol.checksum import stm32_checker
@@ -31,7 +31,21 @@ _Row: TypeAlias = tuple[
     int, int, int, int, int, int, int, int, int, bytes, bytes,
 ]
 # fmt: on
-_FRACTIONS = tuple((width - 1500) / 500 for width in range(3000))  # of a PWM width in us
+_LEAST, _MOST = 900, 2100  # us: beyond, a thruster's width is no PWM (1000..2000), but garbage
+_THRUSTERS = 5  # of the widths: the first
+_FRACTIONS = tuple((width - 1500) / 500 if width else 0.0 for width in range(3000))
+_SHARES = tuple(
+    share if _LEAST <= width <= _MOST or not width else None
+    for width, share in enumerate(_FRACTIONS)
+)
+
+
+def fractions_of(widths: Sequence[int]) -> tuple[float, ...] | None:
+    """Shares of full thrust or travel. No pulse (0 us) is neutral; where a thruster's width is no
+    PWM nothing is known of any."""
+    if any(w and not _LEAST <= w <= _MOST for w in widths[:_THRUSTERS]):
+        return None
+    return tuple((width - 1500) / 500 if width else 0.0 for width in widths)
 
 
 def sd_reader(
@@ -42,7 +56,8 @@ def sd_reader(
     unpack: Callable[[bytes, int], _Row] = layout.unpack_from
     agrees = stm32_checker(80)
     made: Callable[[type[Telemetry], tuple[object, ...]], Telemetry] = tuple.__new__
-    turn, degree, fractions = _TURN, _DEGREE, _FRACTIONS
+    turn, degree = _TURN, _DEGREE
+    fractions, shares = _FRACTIONS, _SHARES
 
     def read(data: bytes, at: int, last: int, base: int, t: float) -> Stretch:
         items: list[object] = []
@@ -69,8 +84,8 @@ def sd_reader(
                 break
             try:
                 # fmt: off
-                actuators = (fractions[p1], fractions[p2], fractions[p3], fractions[p4],
-                             fractions[p5], fractions[p6], fractions[p7])
+                actuators = (shares[p1], shares[p2], shares[p3], shares[p4], shares[p5],
+                             fractions[p6], fractions[p7])
                 # fmt: on
             except IndexError:
                 break
@@ -80,7 +95,8 @@ def sd_reader(
                         rx * 1e-6, ry * 1e-6, rz * 1e-6)
             report = made(Telemetry, (
                 t, depth, altitude if echo else None, -(yaw * degree) % turn, pitch * degree,
-                roll * degree, temperature, magnetic, actuators,
+                roll * degree, temperature, magnetic,
+                None if None in actuators else actuators,
                 (control * control_scale, power * power_scale),
                 None, None, None, () if echo else _NO_ECHO, (),
             ))

@@ -103,8 +103,27 @@ def test_what_is_out_of_range_is_kept_and_named(wire: str, value: float) -> None
     assert message.depth == 0
 
 
-def test_a_wide_pulse_is_a_fraction_beyond_one() -> None:
-    assert one(pwm_rear_vert=65535).actuators == (0, 0, pytest.approx(128.07), 0, 0, 0, 0)
+@pytest.mark.parametrize(
+    ("wire", "width", "told"),
+    [
+        ("pwm_rear_vert", 2100, (0, 0, 1.2, 0, 0, 0, 0)),
+        ("pwm_left_main", 900, (-1.2, 0, 0, 0, 0, 0, 0)),
+        ("pwm_left_main", 0, (0,) * 7),  # no pulse
+        ("pwm_servo_right", 0, (0,) * 7),
+        ("pwm_servo_right", 2500, (0, 0, 0, 0, 0, 0, 2)),  # a servo's may be wider
+        ("pwm_rear_vert", 2101, None),
+        ("pwm_left_main", 899, None),
+        ("pwm_right_vert", 1, None),
+        ("pwm_rear_vert", 65535, None),
+    ],
+)
+def test_a_width_that_is_no_pwm_tells_nothing_of_the_thrusters(
+    wire: str, width: int, told: tuple[float, ...] | None
+) -> None:
+    message = one(**{wire: width})
+    assert message.actuators == told
+    assert message == telemetry(SD.pack(values(**{wire: width})), 3.0)
+    assert message.faults == ()
 
 
 finite = st.floats(-400, 400, width=32)
@@ -114,7 +133,11 @@ finite = st.floats(-400, 400, width=32)
 @settings(max_examples=200, deadline=None)
 @given(
     st.lists(st.one_of(finite, st.floats(width=32)), min_size=15, max_size=15),
-    st.lists(st.integers(0, 65535), min_size=9, max_size=9),
+    st.lists(
+        st.one_of(st.integers(0, 65535), st.integers(800, 2200), st.just(0)),
+        min_size=9,
+        max_size=9,
+    ),
 )
 def test_the_shortcut_says_what_the_table_says_or_nothing(
     floats: list[float], words: list[int]
