@@ -31,7 +31,8 @@ class Range:
         return range_text(self.low, self.high, self.unit, self.above)
 
 
-_RISE = Range("m/s", 0.01, 10)
+_DEEPEST = 990.0  # m: navigation believes 1000 m, and a limit acts beyond it
+_RISE = Range("m/s", 0.01, 1.0)  # faster, by what reports tell, is no body to navigation
 _SIGMA = Range("m", 0.001, 100)
 _ANGLE = Range("deg", 0, 90)
 _LAG = Range("s", 0, 600)
@@ -48,16 +49,16 @@ RANGES: Mapping[str, Range] = MappingProxyType(
     {
         "limits.radius": Range("m", 1, 100_000),
         "limits.time": Range("min", 0, 65_535, above=True),
-        "limits.depth": Range("m", 0, 11_000, above=True),
+        "limits.depth": Range("m", 0, _DEEPEST, above=True),
         "limits.voltage": Range("V", 0, 1000),
-        "limits.descent_rate": _RISE,
+        "limits.descent_rate": Range("m/s", 0.01, 1.25),
         "limits.roll": Range("deg", 5, 180),
         "stale_after": Range("s", 0.1, 60),
         "battery_scale.control": Range("", 0, 1000, above=True),
         "battery_scale.power": Range("", 0, 1000, above=True),
         "speed_by_gear": Range("m/s", 0, 20),
         "dive_rate": _RISE,
-        "ascent_buoyancy": Range("m/s", -10, 10),  # of a heavy vehicle, too: it is measured
+        "ascent_buoyancy": Range("m/s", -10, 1),  # of a heavy vehicle, too: it is measured
         "ascent_thrust": _RISE,
         "turn_rate": Range("deg/s", 0.1, 360),
         "current": _FLOW,

@@ -12,11 +12,15 @@ import pytest
 from mission.authoring.check import check_mission
 from mission.authoring.compiler.compiler import compile_mission
 from mission.authoring.language import digest, load
+from mission.engine.limits import DEPTH_MARGIN
 from mission.model.diagnostics import MissionErrors
 from mission.model.shipped import load_vehicle, missions_folder
 from mission.model.vehicle import FOLLOWS, REPORTS, Beacon, VehicleError
 from mission.model.vehicle_file import read_vehicle
 from mission.model.vehicle_ranges import RANGES, TOGETHER
+from mission.navigation.belief import UNPUSHED, DepthBelief
+from mission.navigation.fixes import Receiver
+from mission.navigation.health import CHANNELS
 
 SHIPPED = sorted((missions_folder() / "vehicles").glob("*.yaml"))
 AUV = (missions_folder() / "vehicles" / "auv.yaml").read_text(encoding="utf-8")
@@ -126,10 +130,24 @@ def test_most_numbers_of_the_table_stand_in_the_file_that_is_tried() -> None:
     assert len(NUMBERS) > 25
 
 
+def test_no_figure_is_beyond_what_navigation_believes_of_a_depth() -> None:
+    """A limit would never act there, or each dive be contradicted."""
+    assert RANGES["limits.depth"].high + DEPTH_MARGIN < CHANNELS["depth"].high
+    for period in (0.1, 1.0, 2.0, 4.0):
+        fastest = DepthBelief()
+        for report in range(round(60.0 / period)):
+            t = period * report
+            deep = 0.2 + RANGES["dive_rate"].high * t
+            fastest.take(t, deep, None, 0.0, UNPUSHED, Receiver())
+            assert fastest.reason == ""
+    for key in ("ascent_thrust", "ascent_buoyancy"):
+        assert RANGES[key].high == RANGES["dive_rate"].high < RANGES["limits.descent_rate"].high
+
+
 @pytest.mark.parametrize("pair", TOGETHER, ids=lambda pair: pair.more)
 def test_two_numbers_that_contradict_each_other_are_refused_with_the_reason(pair) -> None:
-    unit = RANGES[pair.less].unit
-    text = with_number(pair.less, f"9 {unit}")
+    row = RANGES[pair.less]
+    text = with_number(pair.less, f"{min(9.0, row.high)} {row.unit}")
     with pytest.raises(VehicleError, match=f"{pair.more.replace('.', ': ')}: .*: {pair.why}"):
         read_vehicle(text, "f.yaml")
 
