@@ -36,7 +36,7 @@ def _lies(sensor: str, how: str) -> Fault:
     unit = {"delay": "s", "drift": f"{_UNITS[sensor]}/s"}.get(how, _UNITS[sensor])
     says = f"the added {sensor.replace('_', ' ')} {_SAYS[how]}"
     value = usual(sensor, how) if valued else 0.0
-    return Fault(says, begin, end, value, unit if valued else "", needs=sensor)
+    return Fault(says, begin, end, value, unit if valued else "", needs=sensor, slot=sensor)
 
 
 def _second(part: str, says: str) -> Fault:

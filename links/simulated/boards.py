@@ -17,11 +17,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from math import atan2, cos, hypot, inf, pi, sin, sqrt
 from random import Random
-from typing import cast
 
 from links.base import LinkClosed, Rx
 from links.simulated.board_faults import OF_BOARDS
-from links.simulated.fault import Parts
 from links.simulated.firmware.boards import CoreBoard, RobotBoard, RovBoard, WaterBoard
 from links.simulated.firmware.motors import MotorBoards
 from links.simulated.firmware.sensor_board import SensorBoard
@@ -30,7 +28,7 @@ from links.simulated.geodesy import moved
 from links.simulated.ground import Ground
 from links.simulated.link import HOME, Truth
 from links.simulated.plant import STEP, TICK_STEPS, Plant
-from links.simulated.schedule import Edge, edges
+from links.simulated.schedule import InForce, edges
 from links.simulated.settings import Settings
 from protocol.tolerances import Tolerances
 from protocol.vehicles import vehicle_row
@@ -141,6 +139,7 @@ class SimulatedBoard:
         self.track: list[Truth] = []
         self.vehicle_link, self.gps_link = BoardLink(self), NoReceiver()
         self._edges = edges(chosen.faults, OF_BOARDS[name], STEP, name)
+        self._in_force = InForce(OF_BOARDS[name])
         self._faults = Random(f"faults {seed}")  # of their own, so that a sound board says the same
         self._free = 0.0
         self._step, self._report_steps = 0, round(self.board.period / STEP)
@@ -163,7 +162,7 @@ class SimulatedBoard:
             self.plant.run(1)
             self._step += 1
             while self._edges and self._edges[-1].tick <= self._step:
-                self._switch(self._edges.pop())
+                self._in_force.switch(self._edges.pop(), self)
             self._control()
             if self._step % self._report_steps == 0:
                 self._say(self._report())
@@ -218,12 +217,6 @@ class SimulatedBoard:
             plant.aground,
             self.thrust_used,
         )
-
-    def _switch(self, edge: Edge) -> None:
-        row = OF_BOARDS[self.name][edge.name]
-        (row.begin if edge.begins else row.end)(
-            cast("Parts", self), edge.value
-        )  # what its rows need
 
     def _power(self) -> float:
         """W, hotel and thrusters; of the robot, the wheels."""

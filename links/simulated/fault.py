@@ -39,7 +39,9 @@ Act = Callable[[Parts, float], None]
 
 @dataclass(frozen=True, slots=True)
 class Fault:
-    """``needs``: the key of SETTINGS without which the vehicle has no such part, "" if it has."""
+    """``needs``: the key of SETTINGS without which the vehicle has no such part, "" if it has.
+    ``slot``: what it takes hold of, "" for a part of its own: of those that take hold of the same
+    the newest counts. ``adds``: it takes hold of nothing, and acts beside all others."""
 
     says: str
     begin: Act
@@ -48,3 +50,5 @@ class Fault:
     unit: str = ""  # of the value; empty: it has none
     duration: float = 60.0  # s
     needs: str = ""
+    slot: str = ""
+    adds: bool = False

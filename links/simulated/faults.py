@@ -19,6 +19,7 @@ from links.simulated.sensors import Health, Sensor
 from links.simulated.wrong import Deaf, Drifting, Late, Stuck, Wrong
 
 _ROLL, _HEADING, _DEPTH, _ALTITUDE = 0, 2, 4, 5  # slots of what ``Sensors.sample`` returns
+_CURRENT, _BATTERY = "current", "battery"  # slots of faults
 
 FLICKER = 0.8  # V
 
@@ -30,7 +31,9 @@ def _sensor(sensor: Sensor, health: Health) -> Fault:
     def end(vehicle: Parts, _: float) -> None:
         vehicle.sensors.health.pop(sensor, None)
 
-    return Fault(f"{sensor.name.lower()} is {health.value.replace('_', ' ')}", begin, end)
+    name = sensor.name.lower()
+    says = f"{name} is {health.value.replace('_', ' ')}"
+    return Fault(says, begin, end, slot=f"health of {name}")
 
 
 def _bent(
@@ -44,7 +47,7 @@ def _bent(
     def end(vehicle: Parts, _: float) -> None:
         vehicle.sensors.bent.pop(slot, None)
 
-    return Fault(says, begin, end, value, unit)
+    return Fault(says, begin, end, value, unit, slot=f"bent {slot}")
 
 
 def _wrong(
@@ -56,7 +59,7 @@ def _wrong(
     def end(vehicle: Parts, _: float) -> None:
         vehicle.sensors.wrong.pop(slot, None)
 
-    return Fault(says, begin, end, value, unit)
+    return Fault(says, begin, end, value, unit, slot=f"wrong {slot}")
 
 
 def _looks_well(
@@ -101,15 +104,21 @@ def _gps(name: str, says: str) -> Fault:
 
 
 def _weak(thrusters: tuple[int, ...], says: str, left: float = 0.4) -> Fault:
+    """Of several the least that is left of a thruster counts."""
+
     def begin(vehicle: Parts, share: float) -> None:
         for thruster in thrusters:
-            vehicle.plant.weaken(thruster, share)
+            weak = vehicle.plant.weak[thruster]
+            weak.append(share)
+            vehicle.plant.weaken(thruster, min(weak))
 
-    def end(vehicle: Parts, _: float) -> None:
+    def end(vehicle: Parts, share: float) -> None:
         for thruster in thrusters:
-            vehicle.plant.weaken(thruster, 1.0)
+            weak = vehicle.plant.weak[thruster]
+            weak.remove(share)
+            vehicle.plant.weaken(thruster, min(weak, default=1.0))
 
-    return Fault(says, begin, end, left, "share left" if left else "")
+    return Fault(says, begin, end, left, "share left" if left else "", adds=True)
 
 
 def _trim(sign: float, says: str) -> Fault:
@@ -119,32 +128,42 @@ def _trim(sign: float, says: str) -> Fault:
     def end(vehicle: Parts, newtons: float) -> None:
         vehicle.plant.buoyancy -= sign * newtons
 
-    return Fault(says, begin, end, 8.0, "N")
+    return Fault(says, begin, end, 8.0, "N", adds=True)
 
 
-def _board_with(
-    name: str, value: object, usual: object, says: str, duration: float = 60.0
-) -> Fault:
+def _deaf(letter: str) -> Fault:
     def begin(vehicle: Parts, _: float) -> None:
-        setattr(vehicle.stm32, name, value)
+        vehicle.stm32.ignores.add(letter)
 
     def end(vehicle: Parts, _: float) -> None:
-        setattr(vehicle.stm32, name, usual)
+        vehicle.stm32.ignores.discard(letter)
 
-    return Fault(says, begin, end, duration=duration)
+    return Fault(f"the board does not hear {letter}", begin, end)
 
 
-def _dives_until(codes: str, says: str) -> Fault:
-    """At full power whatever it is told, but for one word; once that is heard all is well."""
+def _refuse(vehicle: Parts, _: float) -> None:
+    vehicle.stm32.refuses = "FHS"
+
+
+def _accept(vehicle: Parts, _: float) -> None:
+    vehicle.stm32.refuses = ""
+
+
+def _dives(until: str, says: str, duration: float = 60.0) -> Fault:
+    """At full power whatever it is told, but for one word, or none; one that hears it is tamed. A
+    board that steers finds its own way back; one that waits for a command is at rest."""
 
     def begin(vehicle: Parts, _: float) -> None:
-        vehicle.stm32.runaway, vehicle.stm32.tamed_by = True, codes
+        vehicle.stm32.dives.append(until)
 
     def end(vehicle: Parts, _: float) -> None:
-        vehicle.stm32.tamed_by = ""
-        _dive_over(vehicle, 0.0)
+        board = vehicle.stm32
+        if until in board.dives:
+            board.dives.remove(until)
+        if not board.dives and board.mode is Mode.DEFAULT and not board.hung:
+            board.change(Mode.DEFAULT)
 
-    return Fault(f"it dives at full power until it hears {says}", begin, end)
+    return Fault(says, begin, end, duration=duration, adds=True)
 
 
 def _capsize(vehicle: Parts, _: float) -> None:
@@ -177,18 +196,6 @@ def _silence(vehicle: Parts, _: float) -> None:
 
 def _speak(vehicle: Parts, _: float) -> None:
     vehicle.stm32.tx.silent = False
-
-
-def _dive(vehicle: Parts, _: float) -> None:
-    vehicle.stm32.runaway = True
-
-
-def _dive_over(vehicle: Parts, _: float) -> None:
-    """A board that steers finds its own way back; one that waits for a command is at rest."""
-    board = vehicle.stm32
-    board.runaway = False
-    if board.mode is Mode.DEFAULT and not board.hung:
-        board.change(Mode.DEFAULT)
 
 
 def _hang(vehicle: Parts, _: float) -> None:
@@ -257,7 +264,7 @@ def _gps_true(vehicle: Parts, _: float) -> None:
 
 
 def _battery(vehicle: Parts, volts: float) -> None:
-    vehicle.sensors.battery_override = volts
+    vehicle.sensors.battery_override, vehicle.sensors.battery_noise = volts, 0.0
 
 
 def _battery_flickers(vehicle: Parts, volts: float) -> None:
@@ -335,25 +342,20 @@ FAULTS: dict[str, Fault] = {
     "heavy": _trim(-1.0, "less buoyancy"),
     "light": _trim(1.0, "more buoyancy"),
     "current_speed": Fault(
-        "another current, same direction", _current_speed, _current_usual, 0.8, "m/s"
+        "another current, same direction", _current_speed, _current_usual, 0.8, "m/s", slot=_CURRENT
     ),
-    "current_turn": Fault("the current turns", _current_turn, _current_usual, 90.0, "deg"),
-    "battery_low": Fault("low control battery", _battery, _battery_usual, 9.0, "V"),
+    "current_turn": Fault(
+        "the current turns", _current_turn, _current_usual, 90.0, "deg", slot=_CURRENT
+    ),
+    "battery_low": Fault("low control battery", _battery, _battery_usual, 9.0, "V", slot=_BATTERY),
     "battery_flickers": Fault(
-        "a noisy control battery, about", _battery_flickers, _battery_usual, 9.0, "V"
+        "a noisy control battery, about", _battery_flickers, _battery_usual, 9.0, "V", slot=_BATTERY
     ),
-    "unexplained_dive": Fault(
-        "it dives at full power, nobody said so", _dive, _dive_over, duration=20.0
-    ),
-    **{
-        f"deaf_to_{word.lower()}": _board_with(
-            "ignores", word, "", f"the board does not hear {word}"
-        )
-        for word in "WUX"
-    },
-    "refuses": _board_with("refuses", "FHS", "", "sets are answered N"),
-    "dives_until_up": _dives_until("U", "U"),
-    "dives_until_stop": _dives_until("X", "X"),
+    "unexplained_dive": _dives("", "it dives at full power, nobody said so", 20.0),
+    **{f"deaf_to_{letter.lower()}": _deaf(letter) for letter in "WUX"},
+    "refuses": Fault("sets are answered N", _refuse, _accept),
+    "dives_until_up": _dives("U", "it dives at full power until it hears U"),
+    "dives_until_stop": _dives("X", "it dives at full power until it hears X"),
     "obeys_late": Fault("commands are obeyed late", _slow, _prompt, 1.0, "s"),
     "busy": Fault("the board hears nothing behind a word, for", _busy, _idle, 0.5, "s", 60.0),
     "capsized": Fault("it turns upside down", _capsize, _right),

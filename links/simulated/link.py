@@ -30,7 +30,7 @@ from links.simulated.firmware.stm32 import Stm32
 from links.simulated.firmware.uart import BYTE_TIME, Chunk
 from links.simulated.geodesy import local, moved
 from links.simulated.plant import TICK, TICK_STEPS, Plant
-from links.simulated.schedule import edges
+from links.simulated.schedule import InForce, edges
 from links.simulated.sensors import Sensors
 from links.simulated.settings import SettingError, Settings
 
@@ -125,6 +125,7 @@ class SimulatedVehicle:
         self._next_report, self._next_second = FIRST_REPORT, SECOND_TICKS
         self._anchor = (*position, 0.0, 0.0)  # latitude, longitude at plant north, east
         self.edges = edges(self.settings.faults, FAULTS, TICK, "the AUV")
+        self._in_force = InForce(FAULTS)
         self._refuse_lacking()
         self._next_edge = self.edges[-1].tick if self.edges else _NEVER
         self._foretell()
@@ -212,9 +213,7 @@ class SimulatedVehicle:
 
     def _switch_faults(self, tick: int) -> None:
         while self.edges and self.edges[-1].tick <= tick:
-            _, begins, name, value = self.edges.pop()
-            row = FAULTS[name]
-            (row.begin if begins else row.end)(self, value)
+            self._in_force.switch(self.edges.pop(), self)
         self._next_edge = self.edges[-1].tick if self.edges else _NEVER
         self._flow()
 

@@ -89,7 +89,7 @@ class Plant:
         "_constants", "_forces", "_main", "_pwm", "_rudders", "_servos", "_settled", "_share",
         "_target", "_thrust", "_vertical", "aground", "body", "buoyancy", "current_east",
         "current_north", "depth", "depth_rate", "east", "floor", "north", "p", "pitch", "q", "r",
-        "righting", "roll", "strength", "u", "v", "w", "yaw",
+        "righting", "roll", "strength", "u", "v", "w", "weak", "yaw",
     )
     # fmt: on
 
@@ -105,6 +105,7 @@ class Plant:
         self.buoyancy = self.body.buoyancy
         self.righting = self.body.righting  # N m; below 0 it lies upside down
         self.strength = [1.0] * 5  # share of its thrust that each thruster still has
+        self.weak: list[list[float]] = [[] for _ in range(5)]  # what leaves each how much
         self.aground = False
         self._main = _thrust_table(self.body.main_thrust, self.body.main_power)
         self._vertical = _thrust_table(self.body.vertical_thrust, self.body.vertical_power)

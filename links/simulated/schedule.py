@@ -1,4 +1,4 @@
-"""When faults begin and end, on the clock of the vehicle that has them.
+"""When faults begin and end, on the clock of the vehicle that has them, and which of them counts.
 
 What does not live here: what they do (faults, board_faults).
 """
@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from math import ceil
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from links.simulated.fault import Fault
 from links.simulated.settings import FaultEvent, SettingError
@@ -20,6 +20,31 @@ class Edge(NamedTuple):
     begins: bool
     name: str
     value: float
+    number: int  # of the event that it belongs to
+
+
+class InForce:
+    """Of faults that take hold of the same the newest counts; the end of that one gives way to the
+    one before, which begins anew, and the end of another changes nothing."""
+
+    def __init__(self, rows: Mapping[str, Fault]) -> None:
+        self._rows = rows
+        self._there: dict[str, list[Edge]] = {}  # by slot, the newest last
+
+    def switch(self, edge: Edge, vehicle: Any) -> None:
+        row = self._rows[edge.name]
+        there = [] if row.adds else self._there.setdefault(row.slot or edge.name, [])
+        if edge.begins:
+            there.append(edge)
+            row.begin(vehicle, edge.value)
+            return
+        counts = row.adds or there[-1].number == edge.number
+        there[:] = [other for other in there if other.number != edge.number]
+        if counts:
+            row.end(vehicle, edge.value)
+            if there:
+                before = there[-1]
+                self._rows[before.name].begin(vehicle, before.value)
 
 
 def edges(
@@ -27,7 +52,7 @@ def edges(
 ) -> list[Edge]:
     """The next one last; ``tick`` in s. Raises SettingError for a fault that it cannot have."""
     found = []
-    for event in events:
+    for number, event in enumerate(events):
         row = rows.get(event.name)
         if row is None:
             raise SettingError(f"fault={event.name}: not of {vehicle}; it has {', '.join(rows)}")
@@ -35,5 +60,8 @@ def edges(
         duration = row.duration if event.duration is None else event.duration
         begin = max(ceil(event.begin / tick - _ROUNDED), 1)
         end = max(ceil((event.begin + duration) / tick - _ROUNDED), begin + 1)
-        found += [Edge(begin, True, event.name, value), Edge(end, False, event.name, value)]
+        found += [
+            Edge(begin, True, event.name, value, number),
+            Edge(end, False, event.name, value, number),
+        ]
     return sorted(found, reverse=True)

@@ -154,6 +154,48 @@ def test_two_faults_may_overlap() -> None:
     assert vehicle.plant.buoyancy == 15.0
 
 
+def taken(vehicle: SimulatedVehicle) -> list[object]:
+    sensors, board = vehicle.sensors, vehicle.stm32
+    battery = sensors.battery_override, sensors.battery_noise
+    wrong = {slot: type(wrong).__name__ for slot, wrong in sensors.wrong.items()}
+    now = tuple(round(speed, 6) for speed in vehicle.current)
+    hold = [battery, dict(sensors.health), dict(sensors.bent), wrong, now]
+    return [*hold, {*board.ignores}, [*board.dives], board.refuses, [*vehicle.plant.strength]]
+
+
+def held(*faults: str, at: float) -> list[object]:
+    vehicle = SimulatedVehicle("documented", 1, parse_settings([f"fault={f}" for f in faults]))
+    vehicle.advance(at)
+    return taken(vehicle)
+
+
+@pytest.mark.parametrize(
+    ("one", "other", "both"),
+    [
+        ("depth_too_deep", "depth_too_shallow", None),
+        ("depth_silent", "depth_frozen", None),
+        ("depth_stuck", "depth_drifting", None),
+        ("battery_low", "battery_flickers", None),
+        ("battery_flickers", "battery_low", None),
+        ("current_speed", "current_turn", None),
+        ("deaf_to_u", "deaf_to_w", (5, {"U", "W"})),
+        ("dives_until_up", "dives_until_stop", (6, ["U", "X"])),
+        ("verticals_weak", "verticals_dead", None),
+        ("mains_dead", "left_main_weak", (8, [0.0, 0.0, 1.0, 1.0, 1.0])),
+    ],
+)
+def test_of_two_that_take_hold_of_the_same_each_end_takes_its_own(one, other, both):
+    """The newest counts; deaf to two letters is deaf to both, and the weaker thruster is as weak."""
+    first, second = f"{one}@10+20", f"{other}@20+20"
+    expected = held(f"{other}@20+20", at=25.0)
+    if both is not None:
+        expected[both[0]] = both[1]
+    assert held(first, second, at=25.0) == expected
+    assert held(first, second, at=35.0) == held(f"{other}@20+20", at=35.0)
+    assert held(f"{one}@10+50", second, at=45.0) == held(f"{one}@10+50", at=45.0)
+    assert held(first, second, at=45.0) == held(at=45.0)
+
+
 @pytest.mark.parametrize("profile", PROFILES)
 def test_a_silent_sensor_is_not_a_number_where_documented(profile: str) -> None:
     vehicle, _ = fly(profile, "depth_silent", 30.0)

@@ -83,9 +83,8 @@ class Stm32(ABC):
         self.deaf = False  # commands get lost
         self.garbles = 0.0  # share of commands with a bit turned over
         self.loses_acks = False
-        self.runaway = False  # dives at full power whatever is asked ...
-        self.tamed_by = ""  # ... until one of these codes is heard
-        self.ignores = ""  # codes of @ZA that it does not hear
+        self.dives: list[str] = []  # at full power whatever is asked, each until this code, or ""
+        self.ignores: set[str] = set()  # codes of @ZA that it does not hear
         self.refuses = ""  # codes of @ZA that it answers N
         self.late = 0.0  # s from a command until it is obeyed
         self.busy, self._busy_until = 0.0, 0.0  # s in which it hears nothing behind a word
@@ -131,7 +130,7 @@ class Stm32(ABC):
             return NEUTRAL
         if self.mode is not _DEFAULT:
             self.steer(plant)
-        if self.runaway:
+        if self.dives:
             left, right, _, _, _, servo_left, servo_right = self.pwm
             down = pwm_of(-GEAR_MAX)
             self.pwm = (left, right, down, down, down, servo_left, servo_right)
@@ -189,7 +188,8 @@ class Stm32(ABC):
             if code and code in self.refuses:
                 self.acknowledge(b"ZAN" if self.says_a else b"Z%bN" % code.encode("ascii"), now)
                 return
-            self.runaway = self.runaway and code not in self.tamed_by
+            if code and self.dives:
+                self.dives = [until for until in self.dives if until != code]
             if self.mode is not Mode.AUTO:
                 self.change(Mode.AUTO)
             self.automatic(code, text[3:], now)

@@ -69,14 +69,13 @@ def _too_deep(story: Story, stay: Stay, held: Setpoint, assumed: float) -> Itera
 
 def _gone(story: Story, t: float) -> bool:
     """The altimeter alone is at fault, and has been in legs for as long as that can be unknown, for
-    at rest an altitude may stand; nobody has switched its power meanwhile, which ends a silence,
-    nor did another fault of it end."""
+    at rest an altitude may stand; nobody has switched its power meanwhile, which ends a silence."""
     faults = story.faults(_SENSORS, t - _KNOWN, t)
     if len(faults) != 1 or faults[0].name not in _GONE:
         return False
     begin = faults[0].begin
-    if any(begin <= fault_ends(f) <= t for f in story.faults(_SENSORS[:1], begin, t)):
-        return False
+    others = story.faults(_SENSORS[:1], begin, t)  # meanwhile one of them counted
+    begin = max([begin, *(fault_ends(f) for f in others if fault_ends(f) <= t)])
     legs = (s for s in story.stays if s.state.startswith(AUTONOMOUS))
     flown = sum(max(min(s.end, t) - max(s.begin, begin), 0.0) for s in legs)
     return not story.is_switched(begin, t) and flown > _KNOWN and t < fault_ends(faults[0])

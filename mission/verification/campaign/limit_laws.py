@@ -202,8 +202,7 @@ def _blind_before(story: Story, flight: list[Stay]) -> Iterator[Violation]:
             until = min(fault_ends(fault), end, FOREVER)
             if fault.begin > begin or until <= known or story.depth(known) <= _UNDER:
                 continue
-            since = min(fault.begin, begin - 10.0)  # the end of another one ends this one, too
-            alone = len(story.faults(("depth_",), since, until)) == 1
+            alone = len(story.faults(("depth_",), begin - 10.0, until)) == 1
             told = len(story.told_in(begin, known)) > 3 and _may_be_told(story, fault, begin, known)
             if alone and told and not story.hindered(begin, known):
                 yield Violation(UNANSWERED, known, "dives without a depth, and still autonomous")

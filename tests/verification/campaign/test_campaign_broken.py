@@ -304,13 +304,15 @@ def test_what_sinks_behind_verticals_that_contradicted_its_depth_is_left() -> No
     assert any(kind == "lost" for kind, _ in found), found
 
 
-def test_a_depth_that_speaks_again_as_another_fault_of_it_ends_is_there() -> None:
-    """As flight 9794 of seed 5717: it dives by altitude with a depth that is right."""
+def test_a_depth_that_stays_silent_behind_another_fault_of_it_is_gone() -> None:
+    """As flight 9794 of seed 5717: nothing starts with a depth that stays away."""
     bottom = next(s for s in subjects(shipped()) if s.path.stem == "bottom-following")
     plan = replace(stage("blind_altimeter", 0), incidents=(), subject=bottom, profile="documented")
     silent = FaultEvent("depth_silent", 3.4, 1e6)
     both = (FaultEvent("depth_full_scale", 3.0, 19.5), silent)
-    assert judged(replace(plan, settings=replace(plan.settings, faults=both))) == set()
+    plan = replace(plan, settings=replace(plan.settings, faults=both))
+    assert "the depth is not to be believed" in fly_plan(plan, plan.vehicle).failure
+    assert judged(plan) == set()
 
 
 def test_a_place_that_a_receiver_makes_up_is_told_as_soon_as_reports_are_stale() -> None:

@@ -59,6 +59,7 @@ def body(*faults: str) -> Settings:
         ("as-built", ("heavy=40", "deaf_to_u"), False),
         ("documented", ("heavy=40", "deaf_to_u"), True),
         ("documented", ("heavy=40", "deaf_to_w"), True),
+        ("documented", ("heavy=40", "deaf_to_w", "deaf_to_u"), False),
         ("documented", ("heavy=40", "verticals_weak=0.3"), False),
         ("documented", ("heavy=40", "verticals_dead"), False),
         ("documented", ("heavy=40", "capsized"), False),
