@@ -33,7 +33,11 @@ _BLIND, _UNDER = 10.5, 1.0  # s and m: 6 s without a depth, from the next report
 _CLOGGED = 6.5  # m
 _TOPSIDE = 1.0  # s
 _LOST = 12  # frames: three commands of three tries, and one that a set replaced
-_LOW, _LOW_TIME = 0.6, 16.0  # V and s: 10 s, and three reports
+_BATTERY = {  # V below the bound, and s until that is known: 10 s, and three reports; or noise
+    "battery_low": (0.6, 16.0),
+    "battery_flickers": (1.5, 120.0),
+}
+_AGAIN = 8.0  # s until a battery is believed again: three reports in range
 _WET, _MUTE = 5.0, ("stm32_silent", "bytes_corrupted")  # s: three reports, and what one takes
 _ANSWER, _STOP = re.compile(rb"@ACK_Z"), b"@ZAX0$"
 _AFLOAT = 1.0  # m
@@ -148,20 +152,31 @@ def _voltage(story: Story, begin: float, end: float) -> Iterator[Violation]:
     if story.vehicle.constant_batteries or story.profile != "documented":
         return
     for fault in story.settings.faults:
-        if fault.name != "battery_low":
+        below, lasts = _BATTERY.get(fault.name, (0.0, math.inf))
+        for since, until in _alone(story, fault, max(fault.begin, begin), end):
+            known = since + lasts
+            least = min(s.bounds.voltage for s in story.spans if s.begin < known and s.end > since)
+            told = len(story.told_in(since, min(known, until))) > lasts / 2.0 - 2.0
+            low = (fault.value or 9.0) < least - below
+            if low and until > known and told and not story.hindered(since, known):
+                yield Violation(UNANSWERED, until, f"{fault.value} V, and still autonomous")
+                break
+
+
+def _alone(
+    story: Story, fault: FaultEvent, begin: float, end: float
+) -> Iterator[tuple[float, float]]:
+    """From when to when nothing else is wrong with the battery, and it is believed."""
+    end = min(fault_ends(fault), end)
+    others = [f for f in story.settings.faults if f.name.startswith("battery_") and f is not fault]
+    for other in sorted(others, key=lambda f: f.begin):
+        if fault_ends(other) + _AGAIN <= begin or other.begin >= end:
             continue
-        low, until = max(fault.begin, begin), min(fault_ends(fault), end)
-        least = min(s.bounds.voltage for s in story.spans)
-        told = story.told_in(low, min(low + _LOW_TIME, until))
-        steady = len(told) > _LOW_TIME / 2.0 - 2.0 and not story.hindered(low, until)
-        others = [f for f in story.faults(("battery_",), low, until) if f is not fault]
-        if (
-            (fault.value or 9.0) < least - _LOW
-            and until > low + _LOW_TIME
-            and steady
-            and not others
-        ):
-            yield Violation(UNANSWERED, until, f"{fault.value} V, and still autonomous")
+        if other.begin > begin:
+            yield begin, other.begin
+        begin = fault_ends(other) + _AGAIN
+    if begin < end:
+        yield begin, end
 
 
 def _leak(story: Story, begin: float, end: float) -> Iterator[Violation]:

@@ -12,7 +12,7 @@ import pytest
 from click.testing import CliRunner
 from known_missions import KNOWN
 
-from links.simulated.settings import FaultEvent
+from links.simulated.settings import FaultEvent, parse_settings
 from mission.authoring.check import check_mission
 from mission.authoring.compiler.compiler import compile_mission
 from mission.authoring.language import digest, script
@@ -313,6 +313,25 @@ def test_a_depth_that_stays_silent_behind_another_fault_of_it_is_gone() -> None:
     plan = replace(plan, settings=replace(plan.settings, faults=both))
     assert "the depth is not to be believed" in fly_plan(plan, plan.vehicle).failure
     assert judged(plan) == set()
+
+
+@pytest.mark.parametrize(
+    "faults",
+    [
+        ("battery_low=8@60+300", "battery_frozen@40+20"),
+        ("battery_low=8@60+300", "battery_silent@110+10"),
+        ("battery_low=8@60+300", "battery_flickers=12.5@80+20"),
+        ("battery_flickers=8.4@60+300",),
+    ],
+)
+def test_another_fault_of_a_battery_excuses_its_limit_for_no_longer_than_it_lasts(faults):
+    settings = parse_settings([f"fault={fault}" for fault in faults])
+    plan = stage("low_battery", 4)
+    plan = replace(plan, settings=replace(plan.settings, faults=settings.faults))
+    assert judged(plan) == set()
+    with broken("limit voltage"):
+        found = judged(plan)
+    assert any("V, and still autonomous" in says for _, says in found), found
 
 
 def test_a_place_that_a_receiver_makes_up_is_told_as_soon_as_reports_are_stale() -> None:
