@@ -19,7 +19,7 @@ from links.simulated.sensors import Health, Sensor
 from links.simulated.wrong import Deaf, Drifting, Late, Stuck, Wrong
 
 _ROLL, _HEADING, _DEPTH, _ALTITUDE = 0, 2, 4, 5  # slots of what ``Sensors.sample`` returns
-_CURRENT, _BATTERY = "current", "battery"  # slots of faults
+_CURRENT, _BATTERY, _WEIGHT = "current", "battery", "weight"  # slots of faults
 
 FLICKER = 0.8  # V
 
@@ -167,7 +167,12 @@ def _dives(until: str, says: str, duration: float = 60.0) -> Fault:
 
 
 def _capsize(vehicle: Parts, _: float) -> None:
-    vehicle.plant.load(-vehicle.plant.body.righting)
+    _list(vehicle, 180.0)
+
+
+def _list(vehicle: Parts, degrees: float) -> None:
+    righting, angle = vehicle.plant.body.righting, radians(degrees)
+    vehicle.plant.load(righting * cos(angle), righting * sin(angle) if degrees < 180.0 else 0.0)
 
 
 def _right(vehicle: Parts, _: float) -> None:
@@ -352,12 +357,16 @@ FAULTS: dict[str, Fault] = {
         "a noisy control battery, about", _battery_flickers, _battery_usual, 9.0, "V", slot=_BATTERY
     ),
     "unexplained_dive": _dives("", "it dives at full power, nobody said so", 20.0),
-    **{f"deaf_to_{letter.lower()}": _deaf(letter) for letter in "WUX"},
+    **{f"deaf_to_{letter.lower()}": _deaf(letter) for letter in "WUXFHS"},
     "refuses": Fault("sets are answered N", _refuse, _accept),
     "dives_until_up": _dives("U", "it dives at full power until it hears U"),
     "dives_until_stop": _dives("X", "it dives at full power until it hears X"),
     "obeys_late": Fault("commands are obeyed late", _slow, _prompt, 1.0, "s"),
     "busy": Fault("the board hears nothing behind a word, for", _busy, _idle, 0.5, "s", 60.0),
-    "capsized": Fault("it turns upside down", _capsize, _right),
+    "thrust_dead": _board("powerless", "words are answered, and no thruster turns"),
+    "capsized": Fault("it turns upside down", _capsize, _right, slot=_WEIGHT),
+    "listing": Fault(
+        "weight that shifted holds it at a roll", _list, _right, 120.0, "deg", slot=_WEIGHT
+    ),
     **ADDED_FAULTS,
 }

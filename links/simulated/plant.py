@@ -88,8 +88,8 @@ class Plant:
     __slots__ = (
         "_constants", "_forces", "_main", "_pwm", "_rudders", "_servos", "_settled", "_share",
         "_target", "_thrust", "_vertical", "aground", "body", "buoyancy", "current_east",
-        "current_north", "depth", "depth_rate", "east", "floor", "north", "p", "pitch", "q", "r",
-        "righting", "roll", "strength", "u", "v", "w", "weak", "yaw",
+        "current_north", "depth", "depth_rate", "east", "floor", "heeling", "north", "p", "pitch",
+        "q", "r", "righting", "roll", "strength", "u", "v", "w", "weak", "yaw",
     )
     # fmt: on
 
@@ -104,6 +104,7 @@ class Plant:
         self.current_north = self.current_east = 0.0
         self.buoyancy = self.body.buoyancy
         self.righting = self.body.righting  # N m; below 0 it lies upside down
+        self.heeling = 0.0  # N m to starboard, of weight beside the keel
         self.strength = [1.0] * 5  # share of its thrust that each thruster still has
         self.weak: list[list[float]] = [[] for _ in range(5)]  # what leaves each how much
         self.aground = False
@@ -130,7 +131,7 @@ class Plant:
             b.mass_w - b.mass_u - b.fin_pitch,
             b.mass_u - b.mass_v + b.fin_yaw,
             *(b.inertia_q - b.inertia_r, b.inertia_r - b.inertia_p, b.inertia_p - b.inertia_q),
-            *(b.fin_damping, self.righting, b.draft, b.waterplane, b.surface_damping),
+            *(b.fin_damping, self.righting, self.heeling, b.draft, b.waterplane, b.surface_damping),
             *b.linear,
             *b.quadratic,
         )
@@ -157,10 +158,10 @@ class Plant:
         self.strength[thruster] = share
         self._pwm = ()  # so that the next ``drive`` looks at its targets again
 
-    def load(self, righting: float) -> None:
-        """Sets another righting moment, as by ballast that moved, and heels the hull by ``HEEL``: a
-        hull is never quite level."""
-        self.righting = righting
+    def load(self, righting: float, heeling: float = 0.0) -> None:
+        """Sets other moments, as by ballast that moved, and heels the hull by ``HEEL``: a hull is
+        never quite level."""
+        self.righting, self.heeling = righting, heeling
         self.roll += HEEL
         self._constants = self._per_step()
 
@@ -230,7 +231,7 @@ class Plant:
         """Integrate with constant forces. One function with local names: this is the hot loop."""
         dt = STEP
         (
-            mu, mv, mw, du, dv, dw, dp, dq, dr, cp, cq, cr, gp, gq, gr, fin, righting,
+            mu, mv, mw, du, dv, dw, dp, dq, dr, cp, cq, cr, gp, gq, gr, fin, righting, heeling,
             draft, waterplane, radiation, xu, yv, zw, kp, mq, nr, xuu, yvv, zww, kpp, mqq, nrr,
         ) = self._constants  # fmt: skip
         surge, heave, roll_moment, pitch_moment, yaw_moment = self._forces
@@ -268,6 +269,7 @@ class Plant:
             p += dp * (
                 roll_moment + munk_p + gp * q * r + rudder_roll * uu
                 - p * (kp + kpp * (p if p > 0.0 else -p)) - righting * cp_ * sr
+                + heeling * cp_ * cr_
             )  # fmt: skip
             q += dq * (
                 pitch_moment + munk_q + gyro_q + rudder_pitch * uu
@@ -275,7 +277,7 @@ class Plant:
             )  # fmt: skip
             r += dr * (
                 yaw_moment + munk_r + gyro_r
-                - r * (nr + fin_au + nrr * (r if r > 0.0 else -r))
+                - r * (nr + fin_au + nrr * (r if r > 0.0 else -r)) + heeling * sp
             )  # fmt: skip
             across = v * cr_ - w * sr
             below = v * sr + w * cr_

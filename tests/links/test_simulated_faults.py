@@ -32,7 +32,12 @@ WORDS = {
 
 
 # A board that is deaf to a word is noticed by whoever says it.
-HEARD_BY = {"deaf_to_w": b"@ZAWF$", "deaf_to_u": b"@ZAU9$", "deaf_to_x": b"@ZAX0$"}
+HEARD_BY = {
+    "deaf_to_w": b"@ZAWF$",
+    "deaf_to_u": b"@ZAU9$",
+    "deaf_to_x": b"@ZAX0$",
+    "deaf_to_f": b"@ZAF6$",
+}
 
 # Counts are whole volts, and constants as built: nobody can see these.
 UNSEEN = {("as-built", name) for name in FAULTS if name.startswith("battery")} | {

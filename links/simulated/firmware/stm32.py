@@ -80,6 +80,7 @@ class Stm32(ABC):
         self.power = [True, True, True, True, True, True, False]  # order of @RS
         self.hung = False
         self.booting = False
+        self.powerless = False  # answers all, and turns no thruster
         self.deaf = False  # commands get lost
         self.garbles = 0.0  # share of commands with a bit turned over
         self.loses_acks = False
@@ -125,7 +126,7 @@ class Stm32(ABC):
         """The PWMs from now to the next call."""
         if self.hung:
             return self.pwm
-        if self.booting:
+        if self.booting or self.powerless:
             self.pwm = NEUTRAL
             return NEUTRAL
         if self.mode is not _DEFAULT:

@@ -54,7 +54,7 @@ _WAYS = (*UPWARD_WORDS, STOP_WORD, DOWN_WORD)
 _SPARE = 8.0  # N of lift that make a rise within a turn
 _OUT_OF_HAND = (
     *("stm32_", "command_", "unexplained_dive", "deaf_to", "dives_until", "obeys_late"),
-    *("ack_lost", "verticals_", "bytes_corrupted", "line_noise", "splice"),
+    *("ack_lost", "verticals_", "thrust_dead", "bytes_corrupted", "line_noise", "splice"),
 )
 
 
@@ -230,7 +230,7 @@ def net_buoyancy(story: Story, begin: float, end: float) -> float:
 def _liftable(story: Story, begin: float, end: float) -> bool:
     """Whether thrust (upright) or buoyancy (upside down) can lift it."""
     net = net_buoyancy(story, begin, end)
-    if story.faulty(("capsized",), begin, end):
+    if story.faulty(("capsized", "listing"), begin, end):
         return net > _SPARE
     return net + 3.0 * story.settings.body.vertical_thrust > _SPARE
 
@@ -246,7 +246,7 @@ def _is_held_up(story: Story) -> Iterator[Violation]:
             again = stay.before == SURFACED and _by_itself(stay)
             begin = stay.begin - 20.0
             free = story.hindered(begin, stay.begin) or story.faulty(
-                (*_OUT_OF_HAND, *DEPTH_FAULTS, "capsized"), begin, stay.begin
+                (*_OUT_OF_HAND, *DEPTH_FAULTS, "capsized", "listing"), begin, stay.begin
             )
             if again and sank and not free:
                 yield Violation(SUNK, stay.begin, "sank out of surfaced again: it was not held up")

@@ -39,7 +39,10 @@ AT_START, TOGETHER = 0.1, 0.4  # shares of the disturbances
 CLUSTERED, CLUSTER = 0.25, 5.0  # share of the flights, s: everything at nearly the same time
 FOR_EVER = 0.15  # share of the faults that may
 OUT_OF_HAND = frozenset(
-    {"stm32_hang", "command_lost", "command_corrupted", "unexplained_dive", "deaf_to_x", "refuses"}
+    {
+        *("stm32_hang", "command_lost", "command_corrupted", "unexplained_dive", "deaf_to_x"),
+        *("refuses", "thrust_dead"),
+    }
 )
 WEIGHT = frozenset({"heavy", "light"})
 STAGED, BESIDE = 0.7, 0.4  # shares: of the flights, and of those with something else beside

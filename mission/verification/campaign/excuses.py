@@ -56,6 +56,17 @@ def value_of(fault: FaultEvent) -> float:
     return ANY[fault.name].value if fault.value is None else fault.value
 
 
+def _heel(fault: FaultEvent) -> float:
+    """rad that it holds the vehicle at."""
+    degrees = {"capsized": 180.0, "listing": value_of(fault)}
+    return math.radians(degrees.get(fault.name, 0.0))
+
+
+def overturns(fault: FaultEvent) -> bool:
+    """Thrust upward leads down."""
+    return _heel(fault) > math.pi / 2.0
+
+
 def net(settings: Settings, t: float) -> float:
     """N of buoyancy at ``t``; below 0 it sinks."""
     there = [f for f in settings.faults if f.begin <= t < fault_ends(f)]
@@ -71,15 +82,15 @@ def lift(settings: Settings, profile: str, t: float) -> float:
     thrust = 3.0 * settings.body.vertical_thrust * min([1.0, *shares])
     deaf = {f.name[-1].upper() for f in there if f.name.startswith("deaf_to_")}
     names = {f.name for f in there}
+    thrust *= max(math.cos(max([0.0, *map(_heel, there)])), 0.0)
     untamed = ("dives_until_up" in names and "U" in deaf) or (
         "dives_until_stop" in names and "X" in deaf
     )
     if untamed:
         return net(settings, t) - thrust
-    if names & {"stm32_restart", "stm32_hang"}:  # nobody is there who could obey
+    if names & {"stm32_restart", "stm32_hang", "thrust_dead"}:  # nobody is there who could obey
         return net(settings, t)
-    if "capsized" in names:  # D12 has 5 s of a minute (R7): that holds nothing up
-        return net(settings, t)
+    # Upside down D12 has 5 s of a minute (R7): that holds nothing up.
     return net(settings, t) + (thrust if _UPWARD[profile] - deaf else 0.0)
 
 
@@ -151,7 +162,7 @@ def overturned_untold(settings: Settings, events: Sequence[Event]) -> bool:
     lasting = [f for f in settings.faults if fault_ends(f) >= NEVER]
     blind = any(f.name.startswith("depth_") and f.name[6:] not in _MOVES_STILL for f in lasting)
     stuck = min((f.begin for f in lasting if blind and f.name == "roll_stuck"), default=math.inf)
-    return any(f.name == "capsized" and (told < f.begin or stuck < f.begin) for f in lasting)
+    return any(overturns(f) and (told < f.begin or stuck < f.begin) for f in lasting)
 
 
 def says_overturned(settings: Settings, end: float) -> bool:

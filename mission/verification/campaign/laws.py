@@ -55,6 +55,7 @@ from mission.verification.campaign.excuses import (
     left,
     lied,
     overturned_untold,
+    overturns,
     spoils_a_turn,
     unknown_and_heavy,
     untamed,
@@ -215,7 +216,7 @@ def dive(settings: Settings, profile: str, trial: Trace) -> float:
     for fault in settings.faults:
         if fault.name in _OUT_OF_HAND:
             seconds += (fault.duration or 0.0) + again
-        if fault.name == "capsized":  # until that is known
+        if overturns(fault):  # until that is known
             seconds += ROUND
     end = trial.truth.t
     seconds += helpless(settings, profile, end) + unknown_and_heavy(settings, end)

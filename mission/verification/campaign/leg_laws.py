@@ -18,7 +18,7 @@ from itertools import groupby
 
 from mission.verification.campaign.depth_laws import DEPTH_FAULTS
 from mission.verification.campaign.laws import Violation
-from mission.verification.campaign.limit_laws import SPARE, UNANSWERED, is_plain, sets_of
+from mission.verification.campaign.limit_laws import ANSWER, SPARE, UNANSWERED, is_plain, sets_of
 from mission.verification.campaign.reports import Report
 from mission.verification.campaign.story import Stay, Story
 from protocol.messages import Setpoint
@@ -27,6 +27,10 @@ _NEARER, _OFF, _STUCK = 0.5, 2.6, 136.0  # m, m, s: 0.5 m, 2 m and 120 s (R5)
 _NEARLY = 0.45  # m nearer, which a report that only one of two takes may decide
 _UNASKED, _SINKING = 3.0, 0.2  # m and m/s: 2 m and 0.1 m/s (R5)
 _ASTRAY, _GROWN, _STEERED = 40.0, 28.0, 14.0  # deg, deg, s: 30, 20 and 10 (R5)
+_SET, _POWERLESS = (
+    1.5,
+    7,
+)  # s and reports: two, the set once more, two again (R8), and what answers take
 _FALLEN = 6.0  # deg: 10 (R5), and the noise of two reports
 _APART, _UNDER_WAY, _DRIFTS = math.radians(75.0), 0.7, 32.0  # rad, m/s, s: 60 deg, 0.4, 20 s
 _SURE = 1.645  # of a normal: 95 %
@@ -143,21 +147,41 @@ def _headings(story: Story, stay: Stay) -> Iterator[tuple[float, float, float | 
 
 
 def _without_power(story: Story, stay: Stay) -> Iterator[Violation]:
-    """Thrust is set, no thruster turns, and nothing is said about it."""
+    """Thrust is set, and no thruster turns: something is said; and where that is answered and
+    changes nothing, the mission ends."""
+    dead: list[Report] = []
     for begin, end, command in sets_of(story, stay):
-        if command.surge < 0.2:
-            continue
         still: list[Report] = []
+        if not (command.surge or command.turn or (command.heave or 0.0) > 0.0):
+            dead = []
+            continue
         for report in story.reports:
-            if not begin + 3.0 < report.t < end:
+            if not begin + _SET <= report.t <= end:
                 continue
-            still = [] if report.may_turn else [*still, report]
-            if len(still) < 4 or story.hindered(still[0].t - 5.0, report.t):
+            if report.may_turn:
+                dead, still = [], []
                 continue
-            if not story.words_in(still[0].t, report.t):
+            still = [*still, report] if begin + 3.0 < report.t < end else still
+            dead = [*dead, report] if _is_answered(story, begin, report.t) else dead
+            if not still and not dead:
+                continue
+            if story.hindered((dead or still)[0].t - 5.0, report.t):
+                continue
+            if len(dead) > _POWERLESS:
+                says = f"no thruster turns in {len(dead)} reports, and still in {stay.state}"
+            elif len(still) > 3 and not story.words_in(still[0].t, report.t):
                 says = f"no thruster turns in {len(still)} reports, and no word in {stay.state}"
-                yield Violation(UNANSWERED, report.t, says)
-                return
+            else:
+                continue
+            yield Violation(UNANSWERED, report.t, says)
+            return
+
+
+def _is_answered(story: Story, begin: float, t: float) -> bool:
+    """The last word of the set that left before then."""
+    words = [w.t for w in story.words_in(begin, t) if w.data.startswith(b"@ZA")]
+    heard = (h.t for h in story.heard if begin <= h.t <= t and ANSWER.search(h.data))
+    return bool(words) and story.board is None and max(heard, default=-math.inf) > words[-1]
 
 
 # --- by the estimate -----------------------------------------------------------------------------

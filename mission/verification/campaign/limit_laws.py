@@ -11,10 +11,12 @@ What does not live here: what looks at one leg (leg_laws), depth, radius, time a
 
 from __future__ import annotations
 
+import bisect
 import math
 import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from itertools import pairwise
 
 from links.simulated.settings import FaultEvent
 from mission.model import Step, Tx
@@ -33,13 +35,15 @@ _BLIND, _UNDER = 10.5, 1.0  # s and m: 6 s without a depth, from the next report
 _CLOGGED = 6.5  # m
 _TOPSIDE = 1.0  # s
 _LOST = 12  # frames: three commands of three tries, and one that a set replaced
+_LOST_OF_ONE, _LAST = 5, "3 of 3)"  # commands of one word: three, and what a set replaced
 _BATTERY = {  # V below the bound, and s until that is known: 10 s, and three reports; or noise
     "battery_low": (0.6, 16.0),
     "battery_flickers": (1.5, 120.0),
 }
 _AGAIN = 8.0  # s until a battery is believed again: three reports in range
 _WET, _MUTE = 5.0, ("stm32_silent", "bytes_corrupted")  # s: three reports, and what one takes
-_ANSWER, _STOP = re.compile(rb"@ACK_Z"), b"@ZAX0$"
+_ANSWERED = 1.0  # s
+ANSWER, _STOP = re.compile(rb"@ACK_Z"), b"@ZAX0$"
 _AFLOAT = 1.0  # m
 
 
@@ -60,6 +64,7 @@ def limit_laws(story: Story) -> Iterator[Violation]:
         begin, end = flight[0].begin, flight[-1].end
         yield from _topside(story, begin, end)
         yield from _unanswered(story, begin, end)
+        yield from _one_unanswered(story, begin, end)
         yield from _voltage(story, begin, end)
         yield from _leak(story, begin, end)
         yield from _blind(story, begin, end)
@@ -132,13 +137,37 @@ def _unanswered(story: Story, begin: float, end: float) -> Iterator[Violation]:
     ascent at the surface, which is said until it is answered (R7, R8)."""
     if story.board is not None:
         return
-    answers = [h.t for h in story.heard if _ANSWER.search(h.data)]
+    answers = [h.t for h in story.heard if ANSWER.search(h.data)]
     for quiet, until in gaps(answers, begin, end):
         words = [w for w in story.words_in(quiet, until) if _asks(story, w)]
         lost = len(words) > _LOST and until > words[_LOST].t + 1.0
         if lost and not story.hindered(quiet, until):
             says = f"{len(words)} words without an answer, and still autonomous"
             yield Violation(UNANSWERED, until, says)
+            return
+
+
+def _one_unanswered(story: Story, begin: float, end: float) -> Iterator[Violation]:
+    """One word of the sets that nothing comes back to, though the others of them are answered."""
+    if story.board is not None:
+        return
+    answers = [h.t for h in story.heard if ANSWER.search(h.data)]
+    words = [w for w in story.words_in(begin, end) if w.data.startswith(b"@ZA")]
+    lost: dict[bytes, list[float]] = {}
+    for word, until in pairwise([*words, None]):
+        assert word is not None
+        due = min(until.t if until is not None else end, word.t + _ANSWERED)
+        first = bisect.bisect_right(answers, word.t)
+        if first < len(answers) and answers[first] <= due:
+            lost.pop(word.data[:4], None)
+        elif word.reason.endswith(_LAST) and _asks(story, word):
+            lost.setdefault(word.data[:4], []).append(word.t)
+        since = lost.get(word.data[:4], [])
+        late = len(since) >= _LOST_OF_ONE and end > word.t + 1.0
+        if late and not story.hindered(since[0], word.t):
+            letter = word.data[3:4].decode("ascii")
+            says = f"{letter} without an answer {len(since)} times, and still autonomous"
+            yield Violation(UNANSWERED, word.t, says)
             return
 
 
@@ -246,8 +275,20 @@ def _clogged(story: Story, flight: list[Stay]) -> Iterator[Violation]:
         sets = [c for b, e, c in sets_of(story, stay) if b <= fault.begin < e]
         short = sets and (sets[0].depth or 0.0) - story.depth(fault.begin) > 1.0 + _DEPTH
         end = min(fault_ends(fault), story.end)
-        others = (*DEPTH_FAULTS, "heavy", "capsized", "stm32_", "command_", "verticals_", "dives_")
-        alone = len(story.faults((*others, "unexplained", "obeys", "deaf_to"), 0.0, end)) == 1
+        others = (
+            *DEPTH_FAULTS,
+            "heavy",
+            "capsized",
+            "listing",
+            "stm32_",
+            "command_",
+            "verticals_",
+            "dives_",
+        )
+        alone = (
+            len(story.faults((*others, "unexplained", "obeys", "deaf_to", "thrust_dead"), 0.0, end))
+            == 1
+        )
         if not short or not alone or story.hindered(fault.begin, end):
             continue
         bound = next(s.bounds.depth for s in story.spans if s.end >= fault.begin)

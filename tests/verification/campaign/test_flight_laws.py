@@ -8,13 +8,15 @@ from types import SimpleNamespace
 
 import pytest
 
-from links.simulated.settings import FaultEvent, Settings
+from links.simulated.settings import FaultEvent, Settings, parse_settings
 from mission.engine import engine
 from mission.engine.core import Core
 from mission.engine.restart import begin_again
+from mission.engine.watch import Watch
 from mission.model import STOPPED, SURFACED, SURFACING, Restarted, Step
 from mission.onboard.runtime.operator_server import OperatorServer
 from mission.onboard.runtime.situation import Situation
+from mission.verification.campaign.broken import broken
 from mission.verification.campaign.draw import Drawn, Plan, stage
 from mission.verification.campaign.faults import fly_plan, result_of
 from mission.verification.campaign.leg_laws import waits
@@ -49,6 +51,51 @@ def test_what_was_stopped_and_begins_again_as_surfaced_is_seen(
     assert judged(plan) == []
     monkeypatch.setattr(engine, "begin_again", as_surfaced)
     assert judged(plan) == [f"unlawful: restarted out of {STOPPED} into {SURFACED}"]
+
+
+def faulty(name: str, *faults: str) -> Plan:
+    plan, settings = stage(name, 0), parse_settings([f"fault={fault}" for fault in faults])
+    settings = replace(plan.settings, faults=settings.faults)
+    return replace(plan, settings=settings, profile="documented", incidents=())
+
+
+@pytest.mark.replaces
+@pytest.mark.parametrize("scene", ["no_answers", "brown_out"])
+def test_thrust_that_stays_dead_behind_its_set_sent_again_is_seen(
+    monkeypatch: pytest.MonkeyPatch, scene: str
+) -> None:
+    """R8: once, then up; a set that is sent again and again hid it."""
+    repeat = Core.repeat_set
+
+    def for_ever(core: Core, why: str) -> None:
+        repeat(core, why)
+        core.watch.repeated = False
+
+    plan = faulty(scene, "thrust_dead@60+120")
+    assert judged(plan) == []
+    monkeypatch.setattr(Core, "repeat_set", for_ever)
+    assert any("no thruster turns in 8 reports, and still in" in says for says in judged(plan))
+
+
+@pytest.mark.replaces
+@pytest.mark.parametrize("letter", ["f", "h", "s"])
+def test_one_word_that_is_never_answered_among_others_is_seen(
+    monkeypatch: pytest.MonkeyPatch, letter: str
+) -> None:
+    plan = faulty("swept_away", f"deaf_to_{letter}@2+1000000")
+    assert judged(plan) == []
+    monkeypatch.setattr(Watch, "unanswered", property(lambda watch: watch.lost))
+    says = f"unanswered: {letter.upper()} without an answer 5 times, and still autonomous"
+    assert says in judged(plan)
+
+
+@pytest.mark.parametrize("degrees", [70, 95, 105, 115, 125, 180])
+def test_a_list_that_shifted_weight_holds_ends_a_mission_and_comes_up(degrees: int) -> None:
+    plan = faulty("brown_out", f"listing={degrees}@60+1000000")
+    assert judged(plan) == []
+    with broken("limit roll-over"):  # beyond 90 deg the heading's acts, too
+        seen = any("unanswered: roll passed" in says for says in judged(plan))
+    assert seen is (degrees < 90)
 
 
 def eased(plan: Plan) -> Plan:
