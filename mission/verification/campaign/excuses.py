@@ -37,6 +37,8 @@ MOVES = 60.0  # s in which a depth shows that it moves as the vehicle does: two 
 _MOVES_STILL = ("too_deep", "too_shallow", "late")  # faults of a depth that goes on moving with it
 WANDERING = ("gps_wanders", "gps2_wanders")
 NEVER_BELIEVED = ("depth_silent", "depth_absurd", "depth_full_scale")
+_STANDS = ("depth_frozen", "depth_stuck", "depth_dead")
+NOT_MISLED = (*NEVER_BELIEVED, *_STANDS, "depth_intermittent")  # no rise is seen that is none
 _GARBAGE = ("depth_full_scale", "depth_absurd", "stm32_silent")
 _SPEEDS = ("speed_log", "doppler")  # of the sensors that are added
 _FAST, _TURNS = 1.5, 4  # m/s; courses of a mission, each known too late by a speed that comes late
@@ -115,13 +117,14 @@ def helpless(settings: Settings, profile: str, end: float) -> int:
 
 def unknown(settings: Settings, t: float) -> bool:
     """The depth sensor, or the board, says nothing at ``t`` from which could be known whether the
-    vehicle rises: while it does not move with it, and for ``MOVES`` s after that."""
+    vehicle rises: while it does not move with it, and for ``MOVES`` s after that. One whose every
+    second sample repeats moves."""
     for fault in settings.faults:
         sensor, _, how = fault.name.partition("_")
         begin, end = fault.begin, fault_ends(fault)
         shown = begin + MOVES if how in _MOVES_STILL else end
-        tells = sensor == "depth" or fault.name == "stm32_silent"
-        if tells and (begin <= t < shown or end <= t < end + MOVES):
+        gone = (sensor == "depth" and how != "intermittent") or fault.name == "stm32_silent"
+        if gone and (begin <= t < shown or end <= t < end + MOVES):
             return True
     return False
 

@@ -18,7 +18,7 @@ from links.simulated.settings import Settings
 from mission.model import AUTONOMOUS, SURFACED, SURFACING, Step, Tx
 from mission.verification.campaign.excuses import (
     NEVER,
-    NEVER_BELIEVED,
+    NOT_MISLED,
     SLIGHT,
     SPARE,
     afloat_by_fixes,
@@ -113,7 +113,7 @@ def _turns_lift(trial: Trace, settings: Settings) -> bool:
     lifts more than the others let sink, where it lifts by as much as the vehicle is too heavy."""
     lasting = [f.name for f in settings.faults if fault_ends(f) >= NEVER]
     return trial.state == SURFACING and not any(
-        name.startswith(_SPOIL) or (name.startswith("depth_") and name not in NEVER_BELIEVED)
+        name.startswith(_SPOIL) or (name.startswith("depth_") and name not in NOT_MISLED)
         for name in lasting
     )
 

@@ -304,6 +304,18 @@ def test_what_sinks_behind_verticals_that_contradicted_its_depth_is_left() -> No
     assert any(kind == "lost" for kind, _ in found), found
 
 
+@pytest.mark.parametrize("fault", ["intermittent", "frozen", "stuck", "dead"])
+def test_what_is_heavy_comes_up_by_its_thrust_whatever_stands_in_for_its_depth(fault):
+    plan = replace(stage("heavy_for_ever", 0), profile="as-built")
+    said = Drawn("x", 0.0, (Disturbance(62.0, Act.SAY, b"@ZAWF$"),))
+    faults = FaultEvent("heavy", 60.0, 1e6, 30.0), FaultEvent(f"depth_{fault}", 50.0, 1e6)
+    plan = replace(plan, incidents=(said,), settings=replace(plan.settings, faults=faults))
+    assert judged(plan) == set()
+    with broken("way U12"):
+        found = judged(plan)
+    assert any(kind == "lost" and "deep at the end" in says for kind, says in found), found
+
+
 def test_a_depth_that_stays_silent_behind_another_fault_of_it_is_gone() -> None:
     """As flight 9794 of seed 5717: nothing starts with a depth that stays away."""
     bottom = next(s for s in subjects(shipped()) if s.path.stem == "bottom-following")

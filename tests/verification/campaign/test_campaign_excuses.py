@@ -86,6 +86,7 @@ def test_what_is_over_or_has_not_begun_excuses_nothing():
         ("depth_drifting=0.1@20+30", [(20, 110)]),
         ("depth_too_deep=1@20+200", [(20, 80), (220, 280)]),
         ("altitude_stuck=0.1@20+5", []),
+        ("depth_intermittent@20+50", []),
     ],
 )
 def test_a_depth_says_nothing_while_it_does_not_move_with_the_vehicle(fault, spans):
