@@ -164,7 +164,8 @@ def _one_unanswered(story: Story, begin: float, end: float) -> Iterator[Violatio
             lost.setdefault(word.data[:4], []).append(word.t)
         since = lost.get(word.data[:4], [])
         late = len(since) >= _LOST_OF_ONE and end > word.t + 1.0
-        if late and not story.hindered(since[0], word.t):
+        others = late and bisect.bisect_right(answers, since[0]) < first
+        if others and not story.hindered(since[0], word.t):
             letter = word.data[3:4].decode("ascii")
             says = f"{letter} without an answer {len(since)} times, and still autonomous"
             yield Violation(UNANSWERED, word.t, says)
