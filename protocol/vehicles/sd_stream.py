@@ -32,7 +32,7 @@ _Row: TypeAlias = tuple[
 ]
 # fmt: on
 _LEAST, _MOST = 900, 2100  # us: beyond, a thruster's width is no PWM (1000..2000), but garbage
-_THRUSTERS = 5  # of the widths: the first
+_THRUSTERS, _NEUTRAL = 5, 0.02  # of the widths: the first; share of full thrust
 _FRACTIONS = tuple((width - 1500) / 500 if width else 0.0 for width in range(3000))
 _SHARES = tuple(
     share if _LEAST <= width <= _MOST or not width else None
@@ -41,11 +41,14 @@ _SHARES = tuple(
 
 
 def fractions_of(widths: Sequence[int]) -> tuple[float, ...] | None:
-    """Shares of full thrust or travel. No pulse (0 us) is neutral; where a thruster's width is no
-    PWM nothing is known of any."""
-    if any(w and not _LEAST <= w <= _MOST for w in widths[:_THRUSTERS]):
-        return None
-    return tuple((width - 1500) / 500 if width else 0.0 for width in widths)
+    """Shares of full thrust or travel. No pulse (0 us) is neutral. A thruster's width that is no
+    PWM tells nothing: it hides none that is on, and where no other is, nothing is known of any."""
+    garbage = [w and not _LEAST <= w <= _MOST for w in widths[:_THRUSTERS]]
+    if not any(garbage):
+        return tuple((width - 1500) / 500 if width else 0.0 for width in widths)
+    left = [0 if bad else w for w, bad in zip(widths, garbage, strict=False)]
+    told = fractions_of((*left, *widths[_THRUSTERS:]))
+    return told if told and any(abs(share) > _NEUTRAL for share in told[:_THRUSTERS]) else None
 
 
 def sd_reader(
@@ -89,6 +92,8 @@ def sd_reader(
                 # fmt: on
             except IndexError:
                 break
+            if None in actuators:
+                break
             echo = altitude == altitude  # none: every second frame, maybe
             # fmt: off
             magnetic = (fx * 1e-6, fy * 1e-6, fz * 1e-6, lx * 1e-6, ly * 1e-6, lz * 1e-6,
@@ -96,7 +101,7 @@ def sd_reader(
             report = made(Telemetry, (
                 t, depth, altitude if echo else None, -(yaw * degree) % turn, pitch * degree,
                 roll * degree, temperature, magnetic,
-                None if None in actuators else actuators,
+                actuators,
                 (control * control_scale, power * power_scale),
                 None, None, None, () if echo else _NO_ECHO, (),
             ))

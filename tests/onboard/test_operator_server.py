@@ -473,6 +473,17 @@ def test_an_x_gives_up_a_switch_that_would_close_the_stm32(pi: Pi) -> None:
     assert pi.hear(b"@NI$", 6.0) == [b"@ACK_NI\x2f$"]
 
 
+def test_an_x_opens_the_stm32_behind_an_ns_that_took_its_closing_back(pi: Pi) -> None:
+    """What was asked of its process still comes, in turn: closed, and open."""
+    pi.topside.receive(BOAT, encode(BOARD_CLOSED), 0.0, 0.0)
+    pi.topside.receive(BOAT, encode(NodeSwitch("OOOOCO")), 0.0, 0.0)
+    assert requests(pi, 0.0) == [b"STM32 C", b"STM32 O"]
+    pi.topside.receive(BOAT, encode(BOARD_CLOSED), 0.1, 0.1)
+    pi.topside.changed(b"STM32 C\nSTM32 O\n", 0.1)
+    pi.topside.receive(OTHER, b"@ZAX0$", 0.2, 0.2)
+    assert requests(pi, 0.2) == [b"STM32 C", b"STM32 O"]
+
+
 def test_nobody_commands_by_a_switch_that_was_asked_for_before_an_x(pi: Pi) -> None:
     pi.hear(NodeSwitch("OOOOOO"))
     pi.hear(b"@ZAX0$", 0.0, OTHER)

@@ -292,6 +292,17 @@ def test_what_grew_while_the_vehicle_was_neutral_for_want_of_a_reading_was_not_h
     assert closer.closed(wanted, 159 / 20) != NEUTRAL
 
 
+def test_what_grows_under_thrust_is_told_though_another_reading_has_gaps() -> None:
+    """The heading fails for 0.7 s of each 2 s; the depth goes the wrong way whenever it thrusts."""
+    closer, wanted = LoopCloser(loop()), Setpoint(depth=3.0, heading=1.0)
+    closer.hold(wanted)
+    depth = 3.0
+    for i in range(200):
+        depth += 0.01 * (closer.closed(wanted, i / 20) != NEUTRAL)
+        closer.report(Telemetry(i / 20, depth=depth, heading=1.0 if i % 40 < 26 else None))
+    assert "depth is not held" in closer.fault
+
+
 def test_a_heading_is_held_the_short_way_round() -> None:
     closer = LoopCloser(loop())
     wanted = Setpoint(heading=math.radians(10))

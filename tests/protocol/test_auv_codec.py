@@ -126,6 +126,14 @@ def test_a_width_that_is_no_pwm_tells_nothing_of_the_thrusters(
     assert message.faults == ()
 
 
+def test_a_width_that_is_no_pwm_hides_no_thruster_that_is_on() -> None:
+    """Behind a stop they would run on, and nobody would stop them again (R7)."""
+    running = {"pwm_left_main": 2000, "pwm_right_main": 2000, "pwm_rear_vert": 3000}
+    assert one(**running).actuators == (1, 1, 0, 0, 0, 0, 0)
+    assert one(**running) == telemetry(SD.pack(values(**running)), 3.0)
+    assert one(pwm_left_main=1510, pwm_rear_vert=3000).actuators is None
+
+
 finite = st.floats(-400, 400, width=32)
 
 

@@ -37,14 +37,16 @@ class DeviceSwitches:
     def __init__(self, configured: frozenset[str]) -> None:
         self._configured = configured
         self._open = {name: name in OWN or name in configured for name in NAMES}
+        self._asked = dict(self._open)  # of the processes, last: what it comes to be
         self._pending: _Pending | None = None
 
     def is_open(self, name: str) -> bool:
         return self._open[name]
 
     def stays_open(self, name: str) -> bool:
-        """It is open, and the pending switch does not close it."""
-        return self._open[name] and (self._pending is None or self._pending.wanted[name])
+        """It is open, and nothing that was asked for closes it."""
+        pending = self._pending is None or self._pending.wanted[name]
+        return self._open[name] and self._asked[name] and pending
 
     def reopen(self, name: str) -> bytes:
         """What the process is asked for, so that a node that is closed, or about to be, is open;
@@ -53,6 +55,7 @@ class DeviceSwitches:
             return b""
         if self._pending is not None and not self._pending.wanted[name]:
             self._pending = None
+        self._asked[name] = True
         return f"{name} {OPEN}".encode()
 
     def are(self, switches: str) -> bool:
@@ -70,11 +73,10 @@ class DeviceSwitches:
         wanted["Pi"] = True  # E-T2: the Pi does not close itself
         self._open["AUTO"] &= wanted["AUTO"]
         self._pending = _Pending(wanted, now + CHANGED_WITHIN_S)
-        return [
-            f"{name} {OPEN if wanted[name] else CLOSE}".encode()
-            for name in NAMES
-            if name not in OWN and self._open[name] != wanted[name]
-        ]
+        others = [name for name in NAMES if name not in OWN]
+        asks = [n for n in others if not self._open[n] == self._asked[n] == wanted[n]]
+        self._asked |= {name: wanted[name] for name in others}
+        return [f"{name} {OPEN if wanted[name] else CLOSE}".encode() for name in asks]
 
     def changed(self, data: bytes) -> None:
         """Takes in a process's report of its node's state; lines that name no node are ignored."""

@@ -43,6 +43,7 @@ class _Axis:
         self._leaps = 0  # in a row
         self._wanted: float | None = None
         self._errors: deque[tuple[float, float]] = deque()
+        self._resumes = False
         self.effort = 0.0
 
     def hold(self, wanted: float | None) -> None:
@@ -68,6 +69,10 @@ class _Axis:
     def forget(self) -> None:
         """The error grows from here on."""
         self._errors.clear()
+
+    def resume(self) -> None:
+        """What grew until the next report, while it was neutral, was not held."""
+        self._resumes = True
 
     def _leapt(self, dt: float, value: float) -> bool:
         """Whether it is to be left out."""
@@ -96,6 +101,10 @@ class _Axis:
 
     def _grown(self, t: float, error: float) -> str:
         errors = self._errors
+        if self._resumes and errors:
+            by = error - errors[-1][1]
+            errors = self._errors = deque((at, kept + by) for at, kept in errors)
+        self._resumes = False
         errors.append((t, error))
         while errors[0][0] < t - GROWS_S:
             errors.popleft()
@@ -137,7 +146,8 @@ class LoopCloser:
 
     def report(self, report: Telemetry) -> None:
         if self._is_blind(report.t):
-            self._forget()  # neutral meanwhile: what grew was not held
+            for axis in self._axes.values():
+                axis.resume()
         doubtful = doubted(report)
         for name, axis in self._axes.items():
             value = None if name in doubtful else getattr(report, name)

@@ -265,7 +265,7 @@ class Server:
 
     def _meet(self, port: Port) -> None:
         for address in [a for a in port.peers if a not in self._peers.get(port.name, ())]:
-            self._peers[port.name] = self._peers[port.name] | {address}
+            self._peers[port.name] = self._peers.get(port.name, frozenset()) | {address}
             if address:
                 self._journal.info(f"topside: {address} is connected", host_of(address), "arrivals")
             self._do(lambda d, a=address: d.connected(port.name, a, self.now()))  # type: ignore[misc]
