@@ -20,6 +20,7 @@ _REPORTS = 3
 _FULL_CIRCLE = math.radians(180.5)  # beyond it is no angle
 _SAME = 1e-9  # rad
 _FROZEN, _STOOD = 4, 60.0  # repeats while thrust is on; s of both without it
+_BETWEEN = 1.0  # s between repeats that count: a board may say 50 times a second what it knows
 _BROKEN_FOR = 60.0  # s for which a sensor that said what is no angle tells nothing
 
 
@@ -27,8 +28,8 @@ class Attitude(NamedTuple):
     """What the last reports said; ``reports`` of them in a row were beyond 120 degrees. ``told``:
     there has been one; ``gone``: and the last report says nothing of it; ``broken``: when the last
     one came that was no angle, s; ``same``: how often roll, and pitch, was repeated to the last bit
-    while thrust was on; ``stood``: for how long both have been so, s; ``beyond``: as ``reports``,
-    of 90 degrees."""
+    while thrust was on, 1 s apart; ``stood``: for how long both have been so, s; ``beyond``: as
+    ``reports``, of 90 degrees."""
 
     roll: float = 0.0
     pitch: float = 0.0
@@ -40,6 +41,7 @@ class Attitude(NamedTuple):
     stood: float = 0.0
     t: float = -math.inf  # of the report
     beyond: int = 0
+    counted: float = -math.inf  # when a repeat last counted, or there was a change
 
     @property
     def overturned(self) -> bool:
@@ -78,10 +80,13 @@ class Attitude(NamedTuple):
         same = self._repeated(report, roll, pitch) if self.told else (0, 0)
         again = self.told and (roll, pitch) == (self.roll, self.pitch)
         stood = self.stood + report.t - self.t if again else 0.0
-        return Attitude(roll, pitch, reports, True, False, broken, same, stood, report.t, beyond)
+        counted = report.t if same != self.same or not again else self.counted
+        return Attitude(
+            *(roll, pitch, reports, True, False, broken, same, stood, report.t, beyond, counted)
+        )
 
     def _repeated(self, report: Telemetry, roll: float, pitch: float) -> tuple[int, int]:
-        (rolls, pitches), more = self.same, turns(report)
+        (rolls, pitches), more = self.same, turns(report) and report.t >= self.counted + _BETWEEN
         return (
             rolls + more if roll == self.roll else 0,
             pitches + more if pitch == self.pitch else 0,

@@ -155,7 +155,7 @@ class Core(Flying):
             sank=self._sank,
             push=self.push or held,
         )
-        way = self.ascent.way
+        vehicle_state.word = way = self.ascent.way
         said = by is By.OPERATOR and (way is Order.SURFACE or self.ascent.hear(self.now))
         words = [Order.SURFACE] * (said and way is not Order.SURFACE) + [way] * (said or not begun)
         self._move(name, SURFACING, why, tuple(Action(w, why) for w in words), by, evaluations)

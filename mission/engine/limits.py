@@ -155,8 +155,8 @@ def _voltage(watch: Watch) -> bool | None:
 def _unanswered_words(watch: Watch) -> str:
     if watch.lost >= LOST_MOST:
         return f"{watch.lost} commands in succession without an answer"
-    word = max(watch.lost_words, key=lambda name: watch.lost_words[name])
-    return f"{watch.lost_words[word]} times {word.decode('ascii')} without an answer"
+    times, word = max((times, word) for word, (times, _) in watch.lost_words.items())
+    return f"{times} times {word.decode('ascii')} without an answer"
 
 
 def _time_due(watch: Watch) -> float | None:

@@ -71,7 +71,8 @@ class VehicleState:
         self._travelled = math.inf, -math.inf  # m, s: by a depth whose zero is wrong
         self.believed_depth: float | None = None  # the last one that could be believed
         self._believed_at = -math.inf
-        self._deep_at = -math.inf  # of the last report, believed or not, where a fix is none
+        self._deep_at = -math.inf  # of the last two reports, believed or not, where a fix is none
+        self._deep = False  # the last one
         self.rising_since: float | None = None  # the ascent's first word, and no other leg since
         self.command: Setpoint | None = None  # in force at the vehicle
         self.word: Setpoint | Order | None = None  # that was said last; None under the stick
@@ -121,8 +122,10 @@ class VehicleState:
             self._expected, self._told = math.inf, (None, -math.inf)
         before = self._told[0] if self.lives else None
         lives = depth is not None and self._has_changed(depth)
-        if report.depth is not None and report.depth >= FIX_DEPTH:
+        deep = report.depth is not None and report.depth >= FIX_DEPTH
+        if deep and self._deep:  # a single one may be garbage on deck
             self._deep_at = report.t
+        self._deep = deep
         if lives:
             self.believed_depth, self._believed_at = depth, report.t
         if depth is None or not IN_AIR < depth < SURFACE_DEPTH or not lives:
@@ -200,7 +203,8 @@ class VehicleState:
             self._fixed_at = fix.t
         of_before = self.receiver.stale or not (own or self._received_at >= self._deep_at)
         if not of_before and (self.depth is None or self.depth < FIX_DEPTH):
-            self.fixes = (*self.fixes[1 - HOME_OF :], fix)
+            told = self.navigation.less_off(fix) if own and self.navigation else fix
+            self.fixes = (*self.fixes[1 - HOME_OF :], told)
         if self.navigation:
             self.navigation.fix(fix)
             self.estimate = self.navigation.estimate(fix.t)

@@ -43,6 +43,7 @@ _UNDER_WAY = 0.4  # m/s through the water and over ground: a weaker one is no co
 _SETTLE = 0.5  # s from an ACK to thrusters that turn
 _OWN_END = 8.0  # s without a depth in which a leg that holds one is left
 _BACK = 3.0  # s from thrust that is said to a report that shows it, and one more
+_LOST_WITHIN = 60.0  # s: one that is not answered again and again is said every few seconds
 _ROLLS_OUT, _STANDS = 2.0, 0.05  # s, m/s: of what drives, from a stop on
 
 
@@ -217,7 +218,7 @@ class Watch:
         self.topside_silence: float | None = None  # s that may pass; None: as long as it likes
         self.topside_heard = -math.inf
         self.lost = 0
-        self.lost_words: dict[bytes, int] = {}  # since the word was answered
+        self.lost_words: dict[bytes, tuple[int, float]] = {}  # since it was answered; s, the last
         self.blind_since: float | None = None
         self.led_down = -math.inf  # without a depth to believe, by a set or the stick: when last
         self._dark_since = math.inf  # without one
@@ -245,12 +246,15 @@ class Watch:
         lost, word = outcome.result is Result.LOST, outcome.frame[:4]
         self.lost = self.lost + 1 if lost else 0
         if self.sent is not None and outcome.command == self.sent:
-            self.lost_words |= {word: self.lost_words.get(word, 0) + 1 if lost else 0}
+            before, at = self.lost_words.get(word, (0, -math.inf))
+            now = self.vehicle_state.now
+            times = before if now - at <= _LOST_WITHIN else 0
+            self.lost_words |= {word: (times + 1 if lost else 0, now)}
 
     @property
     def unanswered(self) -> int:
         """Commands in succession, or of one word of the sets, without an answer (R8)."""
-        return max(self.lost, *self.lost_words.values()) if self.lost_words else self.lost
+        return max(self.lost, *(times for times, _ in self.lost_words.values()), 0)
 
     def take_report(self) -> None:
         report = self.vehicle_state.telemetry

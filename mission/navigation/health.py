@@ -3,9 +3,9 @@
     missing  never reported (or the vehicle file says that it is not there)
     stale    the last report is older than the row's max age, or than the vehicle file's
              ``stale_after``
-    frozen   identical to the last bit for 5 reports while the vehicle moves (some rows only:
-             batteries and temperature may well be constant); so is a receiver that says nothing
-             but places which it has said before, under water too
+    frozen   identical to the last bit for 5 reports and 7 s while the vehicle moves (some rows
+             only: batteries and temperature may well be constant); so is a receiver that says
+             nothing but places which it has said before, under water too
     absurd   not finite (a codec tells None and a fault), out of the physical range, faster than
              the row's rate, or marked doubtful by the codec. A value that is out of rate is
              believed again once three reports in a row agree with each other: the sensor has
@@ -32,6 +32,7 @@ from protocol.messages import Fix, Telemetry
 
 _SAME = 5  # identical reports that make a sensor frozen (design: readings are three-valued)
 _MOSTLY, _WORST = 3, 6  # of what a channel's bad reports add up to: it says mostly garbage
+_STANDS = 7.0  # s of them: a board may say 50 times a second what its sensor says twice
 _AGREE = 3  # reports that agree with each other and win against the rate limit
 _NEUTRAL = 0.02  # thruster fraction below which nothing moves
 _SLOW, _GPS = 30.0, 5.0  # s: of slow quantities; protocols R9
@@ -46,23 +47,23 @@ class Channel:
     low: float = -math.inf
     high: float = math.inf
     rate: float = math.inf
-    freezes: bool = False
+    stands: float = math.inf  # s for which it is identical to the last bit, and frozen
     wraps: bool = False
     sparse: bool = False  # an absurd report is how it says nothing, often
 
 
 # fmt: off
 CHANNELS: Mapping[str, Channel] = MappingProxyType({
-    "depth": Channel("depth", STALE_AFTER, -3.0, 1000.0, 2.0, freezes=True),
-    "altitude": Channel("altitude", STALE_AFTER, 1e-6, 300.0, 15.0, freezes=True,
+    "depth": Channel("depth", STALE_AFTER, -3.0, 1000.0, 2.0, stands=_STANDS),
+    "altitude": Channel("altitude", STALE_AFTER, 1e-6, 300.0, 15.0, stands=_STANDS,
                         sparse=True),  # 0: no echo
-    "heading": Channel("heading", STALE_AFTER, 0.0, 2.0 * math.pi, 1.6, freezes=True, wraps=True),
-    "pitch": Channel("attitude", STALE_AFTER, -1.6, 1.6, 1.6, freezes=True),
-    "roll": Channel("attitude", STALE_AFTER, -3.2, 3.2, 3.2, freezes=True, wraps=True),
+    "heading": Channel("heading", STALE_AFTER, 0.0, 2.0 * math.pi, 1.6, stands=_STANDS, wraps=True),
+    "pitch": Channel("attitude", STALE_AFTER, -1.6, 1.6, 1.6, stands=_STANDS),
+    "roll": Channel("attitude", STALE_AFTER, -3.2, 3.2, 3.2, stands=_STANDS, wraps=True),
     "temperature": Channel("temperature", _SLOW, -5.0, 60.0),
     "battery": Channel("battery", _SLOW, 0.0, 1000.0),
     "leak": Channel("leak", STALE_AFTER),
-    "position": Channel("position", _GPS, freezes=True),
+    "position": Channel("position", _GPS, stands=0.0),
 })
 # fmt: on
 _IN_TELEMETRY = tuple(name for name in CHANNELS if name != "position")
@@ -78,6 +79,7 @@ class _Monitor:
     """What is remembered of one channel."""
 
     t: float = -math.inf  # of the last report
+    since: float = -math.inf  # it says what it says
     value: float = math.nan
     good_t: float = -math.inf  # of the last value that was believed
     good: float = math.nan
@@ -94,6 +96,7 @@ class _Monitor:
         before = self.value
         self.repeated = again = value == before
         self.same = self.same + moving if again else 0
+        self.since = self.since if again else t
         self.leapt = 0.0
         sound = not doubt and row.low <= value <= row.high  # not what is no number, either
         near = row.rate == math.inf
@@ -111,7 +114,7 @@ class _Monitor:
         self.t, self.value = t, value
         if not sound:
             self._is_absurd(row)
-        elif row.freezes and self.same >= _SAME - 1:
+        elif self.same >= _SAME - 1 and t - self.since >= row.stands:
             self.reason = "frozen"
         elif self._is_plausible(near):
             self.leapt = 0.0 if near else self.jumped

@@ -11,6 +11,7 @@ import math
 from collections import deque
 from collections.abc import Mapping
 from copy import copy
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from mission.model import Estimate, Health, NavigationMode, Position, Vertical
@@ -174,6 +175,14 @@ class Navigation:
             self.core.place(f.t, 0.0, 0.0, sigma * sigma)
             self._own_off = 0.0, 0.0
             self._settle(LocalFrame(Position(math.degrees(f.latitude), math.degrees(f.longitude))))
+
+    def less_off(self, own: Fix) -> Fix:
+        """What the vehicle reckons itself, less what it was off by when fixes last came."""
+        if self.frame is None or self._own_off == (0.0, 0.0):
+            return own
+        north, east = self.frame.to_local(own.latitude, own.longitude)
+        there = self.frame.to_geodetic(north - self._own_off[0], east - self._own_off[1])
+        return replace(own, latitude=there[0], longitude=there[1])
 
     def _compare(self, own: Fix) -> None:
         if self.frame is not None and self.core.located:

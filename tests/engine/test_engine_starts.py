@@ -250,6 +250,17 @@ def test_places_of_before_a_dive_that_are_said_again_behind_it_start_no_mission(
 
 
 @pytest.mark.parametrize("home", [HOME, None])
+def test_one_absurd_depth_on_deck_is_no_dive_behind_which_a_new_place_is_asked_for(home):
+    """A receiver may hold its place to the last bit at rest."""
+    world = World(replace(MISSION, home=home))
+    held = [world.fix(north=0.5 * n) for n in range(5)]
+    for depth in (0.1, 0.11, 300.0, 0.1, 0.12):
+        world.depth, world.t = depth, world.t + 2.0
+        world.tell(world.report(), *(replace(fix, t=world.t) for fix in held))
+    assert refusal(world, StartMission()) == ""
+
+
+@pytest.mark.parametrize("home", [HOME, None])
 def test_a_receiver_that_got_stuck_as_it_went_under_starts_no_mission_behind_the_dive(home):
     """It says its last place on without a pause, so nothing else tells that this is of before."""
     world = World(replace(MISSION, home=home))

@@ -130,6 +130,15 @@ def test_an_attitude_that_repeats_itself_tells_no_more_which_way_up_it_lies(
     assert vehicle_state.seen_rising[1:] == (20.0, over, frozen)
 
 
+def test_an_attitude_that_is_slower_than_its_reports_does_not_repeat_itself() -> None:
+    """New twice a second, in ten reports."""
+    vehicle_state = VehicleState()
+    for i in range(100):
+        new = 0.001 * (i // 5)
+        told(vehicle_state, 0.1 * i, depth=None, actuators=(0.0, 0.5), roll=new, pitch=new)
+        assert not vehicle_state.attitude.frozen
+
+
 def test_without_navigation_a_finite_depth_is_believed_for_six_seconds():
     vehicle_state = VehicleState()
     assert (vehicle_state.depth, vehicle_state.health("depth").reason) == (None, "missing")

@@ -15,6 +15,7 @@ from mission.engine.limits import BLIND_TIME, LIMITS, SILENCE, On
 from mission.engine.monitor import LimitMonitor
 from mission.engine.vehicle_state import VehicleState
 from mission.engine.watch import Descent, Progress, Steering
+from mission.model import Outcome, Result
 from mission.model.shipped import load_vehicle
 from mission.model.units import GEARS
 from protocol.messages import Fix, Setpoint, SetSafety, Telemetry
@@ -526,13 +527,25 @@ def test_whoever_was_never_heard_is_silent_and_nothing_is_lost_yet():
 def test_a_mission_that_begins_is_heard_now_and_has_lost_nothing():
     one = watch()
     one.topside_silence, one.lost, one.repeated = 3.0, 2, True
-    one.lost_words = {b"@ZAH": 3}
+    one.lost_words = {b"@ZAH": (3, 40.0)}
     assert one.unanswered == 3
     one.begin(50.0)
     assert one.unanswered == 0
     assert (one.heard, one.topside_heard, one.lost, one.repeated) == (50.0, 50.0, 0, False)
     assert (one.breaches, one.blind_since) == ((), None)
     assert one.descent.unexplained is None
+
+
+@pytest.mark.parametrize(("apart", "times"), [(20.0, 3), (60.0, 3), (60.1, 1)])
+def test_words_that_were_lost_long_ago_are_not_counted(apart: float, times: int) -> None:
+    """One that is never answered is said again within seconds."""
+    one, sent = watch(), Setpoint(surge=0.5, heading=0.0, depth=3.0)
+    one.set_sent(sent)
+    for i in range(3):
+        one.vehicle_state.at(10.0 + i * apart)
+        one.count(Outcome(Result.LOST, b"@ZAH0$", sent))
+        one.count(Outcome(Result.ACCEPTED, b"@ZAS3$", sent))
+    assert one.unanswered == times
 
 
 def test_a_limit_of_the_clock_that_is_breached_stays_so_until_its_next_look():

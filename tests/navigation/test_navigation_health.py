@@ -75,6 +75,22 @@ def test_five_identical_reports_are_frozen_and_the_next_change_thaws(name: str) 
     assert health.of(sensor, 10.0).valid
 
 
+@pytest.mark.parametrize(("hertz", "changes_each"), [(10.0, 0.5), (50.0, 0.2), (10.0, 5.0)])
+def test_a_sensor_that_is_slower_than_the_reports_of_its_board_is_not_frozen(
+    hertz: float, changes_each: float
+) -> None:
+    """A depth in whole centimetres, or new twice a second, on a board that says ten reports."""
+    health = SensorHealth(_ALL)
+    for i in range(int(20 * hertz)):
+        t = i / hertz
+        depth = 5.0 - 0.01 * math.floor(t / changes_each)
+        health.telemetry(report(i, depth=depth)._replace(t=t))
+        assert health.of("depth", t).valid
+    for i in range(int(20 * hertz), int(28 * hertz)):
+        health.telemetry(report(i, depth=4.0)._replace(t=i / hertz))
+    assert health.of("depth", 28.0).reason == "frozen"
+
+
 def test_a_vehicle_at_rest_freezes_nothing() -> None:
     still = (0.0, 0.0, 0.0, 0.0, 0.0)
     health = after(*(report(i, depth=1.25, actuators=still) for i in range(9)))

@@ -286,6 +286,11 @@ def test_a_receiver_is_believed_against_what_the_vehicle_reckons_itself(vehicle:
     # under water it tells how far the vehicle has come, and moves it nowhere else
     assert reckoned(nav, 60, 90, 100.0, fixes=False) == pytest.approx(0.0, abs=1.0)
     assert reckoned(nav, 90, 120, 130.0, fixes=False) == pytest.approx(30.0, abs=2.0)
+    # and so it is told to whoever asks for a home
+    latitude, longitude = math.radians(HOME.latitude_deg), math.radians(HOME.longitude_deg)
+    told = nav.less_off(Fix(120.0, latitude + 130.0 / EARTH, longitude, math.inf))
+    assert (told.latitude - latitude) * EARTH == pytest.approx(30.0, abs=1.0)
+    assert Navigation(vehicle).less_off(told) is told
 
 
 def test_asking_changes_nothing(vehicle: Vehicle, dive: list[Item]) -> None:

@@ -87,6 +87,9 @@ class Navigation:
     def fix(self, f: Fix) -> None:
         self.fix_t = f.t
 
+    def less_off(self, own: Fix) -> Fix:
+        return own
+
     def estimate(self, now: float) -> Estimate | None:
         r = self.report
         if r is None:
