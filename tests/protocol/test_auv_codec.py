@@ -156,9 +156,10 @@ def test_the_shortcut_says_what_the_table_says_or_nothing(
     quick, gaps, stop = shortcut(Tolerances(), scale).read(raw, 0, 0, 0, 1.0)
     slow = telemetry(raw, 1.0, scale)
     assert (list(quick), gaps, stop) in (([slow], 0, 86), ([], 0, 0))
+    pulses = all(w == 0 or 900 <= w <= 2100 for w in words[:5])  # others are left to the table
     if slow.faults:
         assert not quick
-    elif max(words[:7]) < 2500 and max(map(abs, floats[6:])) < 57:
+    elif pulses and max(words[:7]) < 2500 and max(map(abs, floats[6:])) < 57:
         assert type(quick[0]) is Telemetry
 
 
