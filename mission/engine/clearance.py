@@ -96,7 +96,7 @@ class Clearance:
             return at_depth(setpoint, self._hold(now, most, room))
         most = self._within(setpoint, self._bottom)
         room = self._within(setpoint, self._bottom - DEEPER_ROOM)
-        if not echoes:
+        if not echoes:  # what repeats makes no room, and may take some
             room = min(room, self._room) if self._room_since is not None else -math.inf
         return at_depth(setpoint, self._hold(self._echoed, most, room))
 

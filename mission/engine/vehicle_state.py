@@ -358,5 +358,5 @@ class VehicleState:
         return None if self._offset is None else (heading + self._offset) % (2.0 * math.pi)
 
     def home_from_fixes(self) -> Position | None:
-        """R9"""
+        """That of the last fixes that count for it (R9), None where they do not agree."""
         return home_of(self.fixes)

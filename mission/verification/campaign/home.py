@@ -44,17 +44,8 @@ UNSEEN = 60.0  # s of being let go, in which fixes that end count (R7, at rest)
 RECEIVER_OFF = b"BDGPS C"  # to its node
 TOLD = 10  # s until fixes that end have told it (R7, at rest)
 _SPOIL = (
-    *(
-        "attitude_",
-        "roll_",
-        "capsized",
-        "listing",
-        "deaf_to_u",
-        "deaf_to_x",
-        "dives_",
-        "stm32_",
-        "busy",
-    ),
+    *("attitude_", "roll_", "capsized", "listing"),
+    *("deaf_to_u", "deaf_to_x", "dives_", "stm32_", "busy"),
     *("obeys_", "refuses", "ack_", "command_", "bytes_", "line_", "splice", "verticals_"),
 )
 WHOLE_ROUND = 50.0  # s of an ascent's three ways, the last two of them twice as long

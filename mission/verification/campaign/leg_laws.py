@@ -27,10 +27,7 @@ _NEARER, _OFF, _STUCK = 0.5, 2.6, 136.0  # m, m, s: 0.5 m, 2 m and 120 s (R5)
 _NEARLY = 0.45  # m nearer, which a report that only one of two takes may decide
 _UNASKED, _SINKING = 3.0, 0.2  # m and m/s: 2 m and 0.1 m/s (R5)
 _ASTRAY, _GROWN, _STEERED = 40.0, 28.0, 14.0  # deg, deg, s: 30, 20 and 10 (R5)
-_SET, _POWERLESS = (
-    1.5,
-    7,
-)  # s and reports: two, the set once more, two again (R8), and what answers take
+_SET, _POWERLESS = 1.5, 7  # s; reports: two, the set again, two more (R8), and what answers take
 _FALLEN = 6.0  # deg: 10 (R5), and the noise of two reports
 _APART, _UNDER_WAY, _DRIFTS = math.radians(75.0), 0.7, 32.0  # rad, m/s, s: 60 deg, 0.4, 20 s
 _SURE = 1.645  # of a normal: 95 %
