@@ -24,12 +24,26 @@ _BETWEEN = 1.0  # s between repeats that count: a board may say 50 times a secon
 _BROKEN_FOR = 60.0  # s for which a sensor that said what is no angle tells nothing
 
 
+class Repeats(NamedTuple):
+    """How often an angle was repeated to the last bit while thrust was on, ``_BETWEEN`` s apart;
+    ``counted``: when that last counted, or it changed, s."""
+
+    times: int = 0
+    counted: float = -math.inf
+
+    def after(self, t: float, again: bool, driven: bool) -> Repeats:
+        if not again:
+            return Repeats(0, t)
+        if not driven or t < self.counted + _BETWEEN:
+            return self
+        return Repeats(self.times + 1, t)
+
+
 class Attitude(NamedTuple):
     """What the last reports said; ``reports`` of them in a row were beyond 120 degrees. ``told``:
     there has been one; ``gone``: and the last report says nothing of it; ``broken``: when the last
-    one came that was no angle, s; ``same``: how often roll, and pitch, was repeated to the last bit
-    while thrust was on, 1 s apart; ``stood``: for how long both have been so, s; ``beyond``: as
-    ``reports``, of 90 degrees."""
+    one came that was no angle, s; ``repeats``: of roll, and of pitch; ``stood``: for how long both
+    have said the same, s; ``beyond``: as ``reports``, of 90 degrees."""
 
     roll: float = 0.0
     pitch: float = 0.0
@@ -37,11 +51,10 @@ class Attitude(NamedTuple):
     told: bool = False
     gone: bool = False
     broken: float = -math.inf
-    same: tuple[int, int] = 0, 0
+    repeats: tuple[Repeats, Repeats] = Repeats(), Repeats()
     stood: float = 0.0
     t: float = -math.inf  # of the report
     beyond: int = 0
-    counted: float = -math.inf  # when a repeat last counted, or there was a change
 
     @property
     def overturned(self) -> bool:
@@ -54,7 +67,7 @@ class Attitude(NamedTuple):
 
     @property
     def frozen(self) -> bool:
-        return max(self.same) >= _FROZEN or self.stood >= _STOOD
+        return max(each.times for each in self.repeats) >= _FROZEN or self.stood >= _STOOD
 
     def doubtful(self, now: float) -> bool:
         """It may be upside down: the last report says so, or tells nothing more, or one of the last
@@ -77,19 +90,15 @@ class Attitude(NamedTuple):
             beyond = self.beyond + (not repeats or not self.beyond)
             if worst > OVERTURNED:
                 reports = self.reports + (not repeats or not self.reports)
-        same = self._repeated(report, roll, pitch) if self.told else (0, 0)
-        again = self.told and (roll, pitch) == (self.roll, self.pitch)
-        stood = self.stood + report.t - self.t if again else 0.0
-        counted = report.t if same != self.same or not again else self.counted
-        return Attitude(
-            *(roll, pitch, reports, True, False, broken, same, stood, report.t, beyond, counted)
+        rolls, pitches = self.told and roll == self.roll, self.told and pitch == self.pitch
+        driven = turns(report)
+        repeated = (
+            self.repeats[0].after(report.t, rolls, driven),
+            self.repeats[1].after(report.t, pitches, driven),
         )
-
-    def _repeated(self, report: Telemetry, roll: float, pitch: float) -> tuple[int, int]:
-        (rolls, pitches), more = self.same, turns(report) and report.t >= self.counted + _BETWEEN
-        return (
-            rolls + more if roll == self.roll else 0,
-            pitches + more if pitch == self.pitch else 0,
+        stood = self.stood + report.t - self.t if rolls and pitches else 0.0
+        return Attitude(
+            *(roll, pitch, reports, True, False, broken, repeated, stood, report.t, beyond)
         )
 
 

@@ -139,6 +139,20 @@ def test_an_attitude_that_is_slower_than_its_reports_does_not_repeat_itself() ->
         assert not vehicle_state.attitude.frozen
 
 
+@pytest.mark.parametrize("period", [0.02, 0.1, 0.9, 1.8, 2.2])
+@pytest.mark.parametrize("angle", ["roll", "pitch"])
+def test_an_axis_that_froze_is_noticed_though_the_other_changes_with_every_report(
+    angle: str, period: float
+) -> None:
+    """However often a board reports."""
+    vehicle_state = VehicleState()
+    for i in range(int(12.0 / period)):
+        turned = {"roll": 0.001 * i, "pitch": 0.001 * i, angle: 0.1}
+        told(vehicle_state, period * i, depth=None, actuators=(0.0, 0.5), **turned)
+        assert vehicle_state.attitude.frozen <= (period * i >= 4.0)
+    assert vehicle_state.attitude.frozen
+
+
 def test_without_navigation_a_finite_depth_is_believed_for_six_seconds():
     vehicle_state = VehicleState()
     assert (vehicle_state.depth, vehicle_state.health("depth").reason) == (None, "missing")
