@@ -79,11 +79,11 @@ class _Monitor:
     """What is remembered of one channel."""
 
     t: float = -math.inf  # of the last report
-    since: float = -math.inf  # it says what it says
     value: float = math.nan
     good_t: float = -math.inf  # of the last value that was believed
     good: float = math.nan
-    same: int = 0  # repeats while moving
+    same: int = 0  # repeats while moving, and ...
+    stood: float = 0.0  # ... s of them
     repeated: bool = False  # the last report said the same as the one before
     agreeing: int = 0
     jumped: float = 0.0  # by so much, when those that agree began
@@ -96,7 +96,7 @@ class _Monitor:
         before = self.value
         self.repeated = again = value == before
         self.same = self.same + moving if again else 0
-        self.since = self.since if again else t
+        self.stood = self.stood + moving * (t - self.t) if again else 0.0
         self.leapt = 0.0
         sound = not doubt and row.low <= value <= row.high  # not what is no number, either
         near = row.rate == math.inf
@@ -114,7 +114,7 @@ class _Monitor:
         self.t, self.value = t, value
         if not sound:
             self._is_absurd(row)
-        elif self.same >= _SAME - 1 and t - self.since >= row.stands:
+        elif self.same >= _SAME - 1 and self.stood >= row.stands:
             self.reason = "frozen"
         elif self._is_plausible(near):
             self.leapt = 0.0 if near else self.jumped

@@ -97,6 +97,18 @@ def test_a_vehicle_at_rest_freezes_nothing() -> None:
     assert health.of("depth", 16.0).valid
 
 
+@pytest.mark.parametrize("hertz", [0.5, 10.0, 50.0])
+def test_what_stood_at_rest_has_7_s_of_thrust_before_it_is_frozen(hertz: float) -> None:
+    """A depth in the air, a heading on deck: on a fast board some repeats are a moment."""
+    health, still, begun = SensorHealth(_ALL), (0.0, 0.0, 0.0, 0.0, 0.0), int(60.0 * hertz)
+    for i in range(begun + int(12.0 * hertz)):
+        actuators = still if i < begun else _MOVING
+        one = report(0, depth=0.0, heading=1.0, actuators=actuators)._replace(t=i / hertz)
+        health.telemetry(one)
+        assert health.of("depth", one.t).valid or one.t >= 66.0
+    assert health.of("depth", one.t).reason == health.of("heading", one.t).reason == "frozen"
+
+
 def test_batteries_and_temperature_may_be_constant() -> None:
     health = after(*(report(i) for i in range(20)))
     assert health.of("battery", 38.0).valid
