@@ -5,12 +5,16 @@ What does not live here: the rows (limits), what they look at (watch), responses
 
 from __future__ import annotations
 
+import math
+
 from mission.engine.bounds import Bounds
 from mission.engine.lasting import Lasting
 from mission.engine.limits import LIMITS, Limit, On, never
 from mission.engine.vehicle_state import VehicleState
 from mission.engine.watch import Watch
 from mission.model.vehicle import STALE_AFTER, Vehicle
+
+_BETWEEN = 0.9  # s between two samples
 
 
 class LimitMonitor(Watch):
@@ -31,17 +35,19 @@ class LimitMonitor(Watch):
         self._timed = tuple(row for row in self.rows if row.due is not never)
         self.breaches: tuple[Limit, ...] = ()
         self.samples: dict[str, int] = {}  # breached ones, less those within the bound
+        self._sampled: dict[str, float] = {}  # when one was last counted
         self._lasting = Lasting()
         self._seen: dict[str, float] = {}  # of those that must last for seconds: when it was known
 
     def begin(self, now: float) -> None:
         super().begin(now)
         self.samples, self._lasting, self.breaches = {}, Lasting(), ()
-        self._seen = {}
+        self._seen, self._sampled = {}, {}
 
     def forgive(self, row: Limit) -> None:
         """Starts the counts of a limit anew, after a response that may mend it."""
         self.samples.pop(row.name, None)
+        self._sampled.pop(row.name, None)
         self._lasting.forget(row.name)
 
     def look(self, reported: bool, fixed: bool) -> list[Limit]:
@@ -77,7 +83,9 @@ class LimitMonitor(Watch):
         if row.seconds:
             now = self._known(row)
             return now - self._lasting.holds(row.name, now) >= row.seconds
-        count = self.samples[row.name] = min(self.samples.get(row.name, 0) + 1, row.samples)
+        count = self.samples.get(row.name, 0)
+        if self._is_next(row):
+            count = self.samples[row.name] = min(count + 1, row.samples)
         return count >= row.samples
 
     def _fade(self, row: Limit) -> None:
@@ -85,8 +93,21 @@ class LimitMonitor(Watch):
         produce it."""
         if row.seconds:
             self._lasting.breaks(row.name, self._known(row))
-        elif count := self.samples.pop(row.name, 0):
-            self.samples[row.name] = count - 1
+        elif row.name in self.samples and self._is_next(row):
+            self.samples[row.name] -= 1
+            if not self.samples[row.name]:
+                del self.samples[row.name]
+
+    def _is_next(self, row: Limit) -> bool:
+        """Notes a sample; whether it is another than the one before, where it takes several: what
+        one reading was off by, a fast board says many times."""
+        report = self.vehicle_state.telemetry
+        if row.samples == 1 or report is None:
+            return True
+        is_next = report.t >= self._sampled.get(row.name, -math.inf) + _BETWEEN
+        if is_next:
+            self._sampled[row.name] = report.t
+        return is_next
 
     def _known(self, row: Limit) -> float:
         """Notes that it is known now whether the row is breached; s. What was known before stood

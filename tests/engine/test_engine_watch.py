@@ -562,20 +562,46 @@ def test_a_limit_of_the_clock_that_is_breached_stays_so_until_its_next_look():
 def test_what_reports_breach_stays_breached_while_only_the_clock_goes_on():
     one = watch(roll=3.0)
     one.look(reported=True, fixed=False)
+    heard(one, 12.0, roll=3.0)
     (over,) = one.look(reported=True, fixed=False)
     assert over.on is On.REPORT
     assert one.look(reported=False, fixed=False) == []
     assert one.breaches == (over,)
-    one.vehicle_state.at(10.0 + SILENCE)
+    one.vehicle_state.at(12.0 + SILENCE)
     (silent,) = one.look(reported=False, fixed=False)
     assert one.breaches == (over, silent)
 
 
 @pytest.mark.parametrize("angle", ["roll", "pitch"])
 def test_a_roll_over_is_either_angle_beyond_the_vehicles_own(angle: str):
-    one = watch(**{"roll": 0.0, "pitch": 0.0, angle: VEHICLE.limits.roll + 0.01})
-    rows = one.look(reported=True, fixed=False) + one.look(reported=True, fixed=False)
+    lies = {"roll": 0.0, "pitch": 0.0, angle: VEHICLE.limits.roll + 0.01}
+    one = watch(**lies)
+    rows = one.look(reported=True, fixed=False)
+    heard(one, 12.0, **lies)
+    rows += one.look(reported=True, fixed=False)
     assert [row.name for row in rows] == ["roll-over"]
+
+
+@pytest.mark.parametrize("hertz", [10.0, 50.0])
+def test_one_reading_that_a_fast_board_says_many_times_is_one_sample(hertz: float):
+    """For 0.8 s; what lies on its side longer than that has rolled over."""
+    one, row, lies = watch(), LIMITS["roll-over"], VEHICLE.limits.roll + 0.01
+    for i in range(1, int(9.0 * hertz)):
+        t = i / hertz
+        over = 2.0 <= t < 2.8 or 4.0 <= t < 4.8 or t >= 6.0
+        heard(one, 10.0 + t, roll=lies if over else 0.0, pitch=0.0)
+        found = row in one.look(reported=True, fixed=False)
+        assert found is (t > 6.9) or abs(t - 6.9) < 0.01
+
+
+def test_two_reports_that_come_together_are_one_sample():
+    """The first was read late."""
+    one = watch(roll=3.0)
+    one.look(reported=True, fixed=False)
+    heard(one, 10.005, roll=3.0)
+    assert one.look(reported=True, fixed=False) == []
+    heard(one, 11.805, roll=3.0)
+    assert one.look(reported=True, fixed=False) == [LIMITS["roll-over"]]
 
 
 def test_a_vehicle_that_may_lie_on_its_side_has_rolled_over_beyond_its_own_limit_alone():
@@ -596,6 +622,7 @@ def test_a_limit_that_is_forgiven_counts_anew():
         assert one.look(reported=True, fixed=False) == []
         one.forgive(row)
     assert one.look(reported=True, fixed=False) == []
+    heard(one, 12.0, roll=3.0)
     assert one.look(reported=True, fixed=False) == [row]
 
 
@@ -603,8 +630,8 @@ def test_a_clone_goes_its_own_way():
     one = watch(roll=3.0)
     one.look(reported=True, fixed=False)
     other = one.clone(one.vehicle_state.clone())
+    heard(other, 12.0, depth=8.0, roll=3.0)
     other.look(reported=True, fixed=False)
-    heard(other, 12.0, depth=8.0)
     assert one.breaches == ()
     assert one.descent.unexplained is None
     assert one.samples != other.samples
