@@ -162,7 +162,7 @@ class Core(Flying):
 
     def _to_emergency(self) -> None:
         """Ends the mission; from here the operator has to clear, or to take the stick."""
-        self.ascent = self.hold = self.deep_reports = None
+        self.ascent = self.hold = self.deep_since = None
         self.halt_run()
         self.emergency_since_idle, self.emergency_at = True, self.now
 

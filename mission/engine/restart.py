@@ -13,14 +13,16 @@
     nothing                  --> idle, also where it has sunk meanwhile: it may be on deck; X0 where
                                  reports show a thruster on all the same, since a program may have
                                  ended between a word and the record of it
-    the store cannot tell    --> stopped, and up as soon as two reports in a row say a depth to
-                                 believe beyond 2 m, and AUTO is open: on deck no thruster
-                                 turns, under water it rises
+    the store cannot tell    --> stopped, and up as soon as two reports in a row, over a second,
+                                 say a depth to believe beyond 2 m, and AUTO is open: on deck no
+                                 thruster turns, under water it rises
 
 What does not live here: who keeps what is under way (resume_marker, store).
 """
 
 from __future__ import annotations
+
+import math
 
 from mission.engine.core import Core
 from mission.engine.rest import DEEP
@@ -32,7 +34,7 @@ UNANSWERED = "a stop without its acknowledgement"  # in idle: thrusters may stil
 UNSEEN = "rest in which it may have sunk"  # unseen; or seen, while AUTO was closed
 _UNSEEN_BEFORE = "rest that began without a depth to believe"  # in the store of an older program
 STOPS = (STICK, UNANSWERED, UNSEEN, _UNSEEN_BEFORE)  # under which a restart stops, and is idle
-REPORTS = 2
+LASTS = 1.0  # s, and two reports: a fast board says a wild depth many times
 UNWATCHED = 6.0  # s; with the surface's own 6 s a frozen depth shows
 
 
@@ -78,7 +80,7 @@ def begin_again(core: Core, before: Restarted) -> None:
             core.let_go_at, core.rested = core.now, ""
     elif before.during == UNKNOWN:
         core.stop_in("restart", STOPPED, why)
-        core.deep_reports = 0
+        core.deep_since = math.inf
     else:
         core.surface("restart", why, By.LIMIT)
         core.vehicle_state.expect_change()
@@ -87,15 +89,15 @@ def begin_again(core: Core, before: Restarted) -> None:
 
 
 def unsure(core: Core) -> bool:
-    return core.deep_reports is not None and core.active == STOPPED
+    return core.deep_since is not None and core.active == STOPPED
 
 
 def doubt(core: Core) -> None:
     """Looks at each report while nobody knows what was under way, until an operator decides."""
-    depth, count = core.vehicle_state.depth, core.deep_reports
-    if depth is None or not unsure(core):
+    depth, since, report = core.vehicle_state.depth, core.deep_since, core.vehicle_state.telemetry
+    if depth is None or since is None or report is None or not unsure(core):
         return
-    core.deep_reports = (count or 0) + 1 if depth > DEEP else 0
-    if core.deep_reports >= REPORTS and core.auto:
+    core.deep_since = min(since, report.t) if depth > DEEP else math.inf
+    if report.t >= core.deep_since + LASTS and core.auto:
         why = f"{core.reason}, and it is {depth:.1f} m deep"
         core.surface("restart", why, By.LIMIT)

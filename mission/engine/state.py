@@ -69,7 +69,7 @@ class EngineState:
         self.emergency_at = -math.inf  # when the last one began
         self.ending_since: float | None = None  # the program is to end
         self.out_of_time = False  # the last words of the program were due
-        self.deep_reports: int | None = None  # in a row, while nobody knows what was under way
+        self.deep_since: float | None = None  # while nobody knows what was under way; inf: not deep
         self.uncertain = False  # answered; again only after it was certain in between
         self.reason = ""  # of the state that is active
         self.event = ""

@@ -503,6 +503,20 @@ def test_what_nobody_knows_comes_up_by_the_second_report_that_says_deep():
     assert world.engine.under_way == SURFACING
 
 
+@pytest.mark.parametrize("period", [0.005, 0.02, 0.1])
+def test_a_wild_depth_that_a_fast_board_says_many_times_turns_no_thruster(period: float):
+    """For half a second, on deck; what is deep for longer comes up."""
+    world = begun(0.2)
+    begin = world.t
+    while world.t < begin + 6.0:
+        world.t += period
+        lasts = world.t - begin
+        world.depth = 9.0 if 1.0 < lasts < 1.5 or lasts > 4.0 else 0.2
+        world.tell(world.report())
+        assert (world.state == STOPPED) is (lasts < 5.0) or 5.0 <= lasts < 5.2
+    assert world.state == SURFACING
+
+
 def test_one_report_between_two_shallow_ones_is_no_dive():
     world = begun(0.2)
     for depth in (9.0, 0.2, 9.0, 0.2):
