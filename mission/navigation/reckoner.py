@@ -34,6 +34,7 @@ _AGREEING = 3  # rejected fixes in a row that win against the gate
 _GAP, _MEMORY = 60.0, 120.0  # s without a fix; for which the filter before it is remembered
 _FASTEST = 4.0  # m/s, between two fixes that agree
 _WIDEST = 25.0  # factor on the covariance; what is missing then is given to the position alone
+_TURN_TIME = 1.0  # s: over less, two headings that noise or came together are no yaw rate
 _EXTRAPOLATE = 1.0  # s beyond a report for which its yaw rate is believed
 _SURFACE = 0.7  # m of depth: shallower is moved by wind and waves
 _UNDER_WAY = 0.3  # m/s: slower, the speed's deviation fades with the speed
@@ -78,6 +79,7 @@ class _Motion(NamedTuple):
     skidding: float = 0.0  # the same, at the report
     heave: float = 0.0  # m/s ahead, of a pitched hull that sinks or rises upright
     gap: float = 0.0  # s between this heading and the one before
+    turns_from: tuple[float, float] | None = None  # s, and the heading then, of the next yaw rate
 
 
 class Reckoner:
@@ -127,7 +129,7 @@ class Reckoner:
         pitch = r.pitch or 0.0
         sinking = float(self.filter.x[RATE])
         expected = self._propulsion.advance(r.actuators, since, pitch, sinking)
-        heading, heading_t, rate = self._turn(r)
+        heading, heading_t, rate, turns_from = self._turn(r)
         kept = 1.0 / (1.0 + self._calibration.turn_loss * abs(rate))
         surfaced = last.surfaced if r.depth is None else r.depth < _SURFACE
         along = math.cos(pitch) * kept
@@ -135,7 +137,8 @@ class Reckoner:
         sway, skidding = self._skid(rate, since)
         gap = 0.0 if last.heading is None else heading_t - last.heading_t
         self._motion = _Motion(
-            r.t, heading, heading_t, rate, along, expected, surfaced, sway, skidding, heave, gap
+            *(r.t, heading, heading_t, rate, along, expected, surfaced),
+            *(sway, skidding, heave, gap, turns_from),
         )
         self._advance(r.t)
         self._velocities(before)
@@ -144,15 +147,22 @@ class Reckoner:
         self.altitude_seen = self.altitude_seen or r.altitude is not None
         self.nis = nis or self.nis
 
-    def _turn(self, r: Report) -> tuple[float | None, float, float]:
-        """Heading, when it was reported, and the yaw rate since the report before."""
+    def _turn(self, r: Report) -> tuple[float | None, float, float, tuple[float, float] | None]:
+        """Heading, when it was reported, the yaw rate, and from where the next one may count: since
+        the report before, or where that is not a second ago, since an older one."""
         last = self._motion
         if r.heading is None:
-            return last.heading, last.heading_t, 0.0
-        since = r.t - last.heading_t
-        if last.heading is None or not 0.0 < since < 3.0 * self.figures.period:
-            return r.heading, r.t, 0.0
-        return r.heading, r.t, math.remainder(r.heading - last.heading, 2.0 * math.pi) / since
+            return last.heading, last.heading_t, 0.0, last.turns_from
+        here, since, begun = (r.t, r.heading), r.t - last.heading_t, last.turns_from
+        longest = 3.0 * max(self.figures.period, _TURN_TIME)
+        if last.heading is None or begun is None or since >= longest:
+            return r.heading, r.t, 0.0, here
+        if since >= _TURN_TIME:
+            begun = last.heading_t, last.heading
+        if r.t - begun[0] < _TURN_TIME:
+            return r.heading, r.t, last.yaw_rate, begun
+        rate = math.remainder(r.heading - begun[1], 2.0 * math.pi) / (r.t - begun[0])
+        return r.heading, r.t, rate, here
 
     def _skid(self, rate: float, since: float) -> tuple[float, float]:
         """Outward in a turn, and for some seconds after it: its mean, and what it has come to."""
@@ -226,9 +236,10 @@ class Reckoner:
 
     def decline(self, change: float) -> None:
         """Turns the last heading by a change of the declination, so that it counts as no turn."""
-        heading = self._motion.heading
-        if heading is not None:
-            self._motion = self._motion._replace(heading=heading + change)
+        heading, begun = self._motion.heading, self._motion.turns_from
+        if heading is not None and begun is not None:
+            turns_from = begun[0], begun[1] + change
+            self._motion = self._motion._replace(heading=heading + change, turns_from=turns_from)
 
     # --- fixes -------------------------------------------------------------------------------
 

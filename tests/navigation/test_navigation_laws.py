@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import random
 import subprocess
 import sys
 from dataclasses import replace
@@ -10,14 +11,15 @@ from dataclasses import replace
 import pytest
 from kinematic_truth import HOME, Sea, Truth, sail
 
-from mission.model import NavigationMode, Position
+from mission.model import Estimate, NavigationMode, Position
 from mission.model.shipped import load_vehicle
 from mission.model.vehicle import Vehicle
 from mission.navigation import LocalFrame, Navigation
 from mission.navigation.distribution import PLANE_95, principal
 from mission.navigation.geodesy import EARTH
 from mission.navigation.kalman import KalmanFilter
-from protocol.messages import Fix, Telemetry
+from protocol.added import GROUND
+from protocol.messages import Aid, Fix, Telemetry
 
 Item = tuple[Truth, Telemetry | Fix]
 
@@ -615,3 +617,45 @@ def test_a_receiver_that_got_stuck_teaches_the_thrusters_nothing(vehicle: Vehicl
     off = abs(estimate.north - 121.0 * speed)
     assert off < 2.0 * math.sqrt(estimate.covariance[0])  # it knows what it does not know
     assert off < 0.3 * 121.0 * speed
+
+
+def test_two_reports_of_a_turn_that_come_together_leave_the_estimate_as_good(
+    vehicle: Vehicle,
+) -> None:
+    """The first was read 2 s late: no hull turns by 40 degrees in 5 ms."""
+
+    def turning(late: float) -> list[Estimate]:
+        nav = Navigation(vehicle, HOME)
+        nav.start_here(0.0)
+        for i in range(16):
+            t = 2.0 * i + (late if i == 14 else 0.0)
+            heading = math.radians(20.0) * 2.0 * i % (2.0 * math.pi)
+            moves = {"depth": 3.0 + 0.01 * i, "pitch": 0.001 * i, "roll": 0.001 * i}
+            nav.telemetry(Telemetry(t, heading=heading, actuators=(0.6, 0.6, 0.1), **moves))
+        told = [nav.estimate(30.0), nav.estimate(33.0)]
+        return [one for one in told if one is not None]
+
+    (then, later), (then_late, later_late) = turning(0.0), turning(1.995)
+    way = later.north - then.north, later.east - then.east
+    assert later_late.north - then_late.north == pytest.approx(way[0], abs=0.2)
+    assert later_late.east - then_late.east == pytest.approx(way[1], abs=0.2)
+    widths = [principal(one.covariance)[0] for one in (later, later_late)]
+    assert widths[1] == pytest.approx(widths[0], rel=0.05)
+
+
+@pytest.mark.parametrize("hertz", [10.0, 50.0])
+def test_a_speed_over_ground_counts_however_often_a_noisy_compass_reports(hertz: float) -> None:
+    """1 degree of noise between two reports of a fast board is no turn."""
+    nav, rng = Navigation(load_vehicle("coreboard"), HOME), random.Random(1)
+    nav.start_here(0.0)
+    for i in range(int(120.0 * hertz)):
+        t = (i + rng.uniform(-0.15, 0.15)) / hertz
+        heading = 1.0 + math.radians(1.0) * rng.gauss(0.0, 1.0)
+        lives = 0.001 * math.sin(i)
+        moves = {"depth": 3.0 + lives, "pitch": lives, "roll": lives}
+        nav.telemetry(Telemetry(t, heading=heading, actuators=(0.6, 0.6, 0.1), **moves))
+        if i % int(hertz) == 0:
+            nav.aid(Aid(t + 0.001, GROUND, (0.3 + rng.gauss(0.0, 0.01), rng.gauss(0.0, 0.01))))
+    estimate = nav.estimate(120.0)
+    assert estimate is not None
+    assert estimate.sigmas["current"] < 0.062
