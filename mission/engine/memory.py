@@ -4,8 +4,9 @@
     depth back at highest metal within 0.5 m    a Peak: this leg's is kept for the next one
 
 Bounded, whatever comes in: a window has PARTS parts at most, each with its least and its greatest
-value, and forgets what is out of reach. Of each three reports in a row the middle value is
-remembered, so that a single wild one is no peak. What is not believed is not remembered.
+value, and forgets what is out of reach. Of each three reports in a row, 0.9 s apart at least, the
+middle value is remembered, so that a single wild one is no peak. What is not believed is not
+remembered.
 
 What does not live here: what follows from it (guards), which readings are believed (variables).
 """
@@ -22,6 +23,7 @@ from mission.model import Back, Chart, Trend, terms
 from mission.model.copies import copied
 
 PARTS = 32  # of a window; what is remembered reaches no farther than the window, and 1/32 less
+_BETWEEN = 0.9  # s between two: a fast board says many times what its sensor said once
 
 _Pair = tuple[float, float]
 
@@ -135,9 +137,9 @@ class Memory:
         return bool(self._rows)
 
     def take(self, scope: Scope) -> None:
-        """Remembers a report, once."""
+        """Remembers a report, once; of a fast board one a second."""
         report = scope.telemetry
-        if report is None or report.t <= self._taken:
+        if report is None or report.t < self._taken + _BETWEEN:
             return
         self._taken = report.t
         known = {name: value_of(row, scope) for name, row in self._rows.items()}

@@ -157,6 +157,19 @@ def test_a_fix_between_two_reports_does_not_count_one_of_them_twice():
     assert legs_of(world)[-1] == "a"
 
 
+@pytest.mark.parametrize("hertz", [10.0, 50.0])
+def test_one_wild_reading_that_a_fast_board_says_many_times_is_no_peak(hertz: float):
+    """Its sensor says another 2 times a second."""
+    world = dive(Trend("temperature", False, 2.0))
+    begin = world.t
+    for i in range(1, int(10.0 * hertz)):
+        world.t = begin + i / hertz
+        world.tell(world.report(temperature_c=40.0 if 5.0 <= i / hertz < 5.5 else 18.0))
+        assert legs_of(world)[-1] == "a"
+    world.tell(world.report(temperature_c=15.9))
+    assert legs_of(world)[-1] == "b"
+
+
 def test_what_is_not_known_yet_is_not_false_either():
     world = dive(Not(Trend("temperature", False, 2.0)))
     world.see((5.0, 18.0))
