@@ -338,6 +338,7 @@ _ROWS = (
         "an error beyond 30 deg that grew by 20 deg in 10 s or more, or two whole turns past it",
         lambda w: w.steering.astray,
         lambda w: w.steering.words,
+        samples=2,
         needs=frozenset({"heading"}),
     ),
     Limit(

@@ -101,12 +101,10 @@ class LimitMonitor(Watch):
     def _is_next(self, row: Limit) -> bool:
         """Notes a sample; whether it is another than the one before, where it takes several: what
         one reading was off by, a fast board says many times."""
-        report = self.vehicle_state.telemetry
-        if row.samples == 1 or report is None:
-            return True
-        is_next = report.t >= self._sampled.get(row.name, -math.inf) + _BETWEEN
+        now = self.vehicle_state.now
+        is_next = row.samples == 1 or now >= self._sampled.get(row.name, -math.inf) + _BETWEEN
         if is_next:
-            self._sampled[row.name] = report.t
+            self._sampled[row.name] = now
         return is_next
 
     def _known(self, row: Limit) -> float:
