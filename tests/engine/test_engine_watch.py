@@ -594,6 +594,17 @@ def test_one_reading_that_a_fast_board_says_many_times_is_one_sample(hertz: floa
         assert found is (t > 6.9) or abs(t - 6.9) < 0.01
 
 
+@pytest.mark.parametrize(("wild", "ends"), [(1, False), (2, True)])
+def test_one_wild_heading_ends_no_leg_and_two_do(wild: int, ends: bool):
+    """A compass may turn by half a circle in 2 s, so that its health says nothing of one."""
+    one, found = watch(), []
+    one.set_sent(Setpoint(surge=0.5, heading=0.0))
+    for i in range(1, 20):
+        heard(one, 10.0 + 2.0 * i, heading=70.0 * DEG if 10 <= i < 10 + wild else 0.0)
+        found += one.look(reported=True, fixed=False)
+    assert (LIMITS["heading does not follow"] in found) is ends
+
+
 def test_two_reports_that_come_together_are_one_sample():
     """The first was read late."""
     one = watch(roll=3.0)

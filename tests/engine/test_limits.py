@@ -29,7 +29,7 @@ from mission.model import (
 )
 from mission.model.regions import IDLE
 from mission.model.vehicle import REPORTS
-from protocol.messages import ClearMission, Manual, Setpoint, SetSafety, StartMission
+from protocol.messages import ClearMission, Manual, Setpoint, SetSafety, StartMission, Telemetry
 
 
 def tripped(world: World, name: str) -> bool:
@@ -101,6 +101,18 @@ def test_every_limit_waits_for_its_whole_persistence(row, monkeypatch):
     assert not look(None)
     assert watch.breaches == ()
     assert look(True)
+
+
+def test_samples_count_by_the_clock_where_no_report_comes_between(monkeypatch):
+    """Fixes alone may say where it is."""
+    row = LIMITS["uncertain"]
+    watch, says = scripted(row, monkeypatch)
+    watch.vehicle_state.take_telemetry(Telemetry(t=0.0))
+    says.append(True)
+    assert [watch.look(reported=True, fixed=True) for _ in range(9)] == [[]] * 9  # of one moment
+    for t in range(1, row.samples):
+        watch.vehicle_state.now = float(t)
+        assert bool(watch.look(reported=True, fixed=True)) is (t == row.samples - 1)
 
 
 _LONG_ROWS = [row for row in LIMITS.values() if row.seconds or row.samples > 2]
