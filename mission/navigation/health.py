@@ -8,10 +8,10 @@
              nothing but places which it has said before, under water too
     absurd   not finite (a codec tells None and a fault), out of the physical range, faster than
              the row's rate, or marked doubtful by the codec. A value that is out of rate is
-             believed again once three reports in a row agree with each other: the sensor has
-             come back elsewhere (a depth is then contradicted). Among reports of which more
-             than every third is absurd none is believed, until three in a row agree (in a row
-             without a rate: are none of them absurd).
+             believed again once three reports in a row, over a second at least, agree with each
+             other: the sensor has come back elsewhere (a depth is then contradicted). Among
+             reports of which more than every third is absurd none is believed, until three in a
+             row agree (in a row without a rate: are none of them absurd).
     contradicted  the depth alone, by what else is known (belief)
 
 Rows are the channels; a sensor is one or more channels and is as good as the worst of them.
@@ -33,7 +33,7 @@ from protocol.messages import Fix, Telemetry
 _SAME = 5  # identical reports that make a sensor frozen (design: readings are three-valued)
 _MOSTLY, _WORST = 3, 6  # of what a channel's bad reports add up to: it says mostly garbage
 _STANDS = 7.0  # s of them: a board may say 50 times a second what its sensor says twice
-_AGREE = 3  # reports that agree with each other and win against the rate limit
+_AGREE, _AGREE_FOR = 3, 1.0  # reports, and s, that agree and win against the rate limit
 _NEUTRAL = 0.02  # thruster fraction below which nothing moves
 _SLOW, _GPS = 30.0, 5.0  # s: of slow quantities; protocols R9
 
@@ -86,6 +86,7 @@ class _Monitor:
     stood: float = 0.0  # ... s of them
     repeated: bool = False  # the last report said the same as the one before
     agreeing: int = 0
+    agreed: float = -math.inf  # since when they agree
     jumped: float = 0.0  # by so much, when those that agree began
     bad: int = 0  # 2 for a report that is absurd, one less for one that is not
     leapt: float = 0.0  # by so much, with the last report: it is believed elsewhere
@@ -111,6 +112,8 @@ class _Monitor:
                 self.jumped = 0.0 if near or not math.isfinite(value) else value - self.good
             elif self.jumped:  # not to be taken for the old place, in reach of which it comes
                 near = near and _apart(row, value, self.good) <= _apart(row, value, before)
+        if self.agreeing <= 1:
+            self.agreed = t
         self.t, self.value = t, value
         if not sound:
             self._is_absurd(row)
@@ -131,7 +134,7 @@ class _Monitor:
 
     def _is_plausible(self, near: bool) -> bool:
         """Near the last one that was believed, and not one of a few among garbage; or agreed on."""
-        if self.agreeing >= _AGREE:
+        if self.agreeing >= _AGREE and (near or self.t - self.agreed >= _AGREE_FOR):
             self.bad = 0
             return True
         self.bad = max(self.bad - near, 0)

@@ -150,6 +150,30 @@ def test_a_depth_that_leapt_is_contradicted_once_three_reports_agree_on_it() -> 
         assert health.of("depth", 2.0 * i).reason == why
 
 
+@pytest.mark.parametrize("hertz", [10, 20, 50])
+@pytest.mark.parametrize("name", ["depth", "altitude", "heading", "pitch"])
+def test_what_a_quick_board_repeats_for_less_than_a_second_is_not_agreed_on(
+    name: str, hertz: int
+) -> None:
+    """It may say 50 times a second what its sensor says twice."""
+    wrong = {"depth": 9.0, "altitude": 90.0, "heading": 3.0, "pitch": 9.0}[name]
+    sensor = "attitude" if name == "pitch" else name
+    health = SensorHealth(_ALL)
+    for i in range(5 * hertz):
+        t = i / hertz
+        base = report(0, depth=5.0 + 0.01 * t, altitude=9.0 - 0.01 * t, heading=0.1 + 0.01 * t)
+        fields = {name: wrong + 0.001 * t} if 2.0 <= t < 2.9 else {}
+        health.telemetry(base._replace(t=t, pitch=0.001 * t, roll=0.001 * t)._replace(**fields))
+        if 2.0 <= t < 2.9:
+            assert health.of(sensor, t).reason == "absurd"
+        elif not 2.9 <= t < 3.5:
+            assert health.of(sensor, t).valid
+    for i in range(5 * hertz, 7 * hertz):
+        t = i / hertz
+        health.telemetry(report(0, depth=9.0 + 0.01 * t)._replace(t=t))
+    assert health.of("depth", t).reason.startswith("contradicted: it leapt")
+
+
 def test_a_heading_through_north_is_no_leap() -> None:
     health = after(report(0, heading=6.28), report(1, heading=0.01))
     assert health.of("heading", 2.0).valid
