@@ -214,22 +214,43 @@ def test_one_absurd_depth_is_left_out_before_a_set_and_in_it(absurd: float, at: 
     assert closer.fault == ""
 
 
-def test_a_depth_that_stays_elsewhere_counts_from_the_third_report_on() -> None:
-    closer, heaves = LoopCloser(loop()), []
-    wanted = Setpoint(depth=30.0)
+@pytest.mark.parametrize("hertz", [10, 20, 50])
+@pytest.mark.parametrize("name", ["depth", "heading"])
+def test_a_reading_that_is_wrong_for_less_than_a_second_ends_no_holding(
+    name: str, hertz: int
+) -> None:
+    """A board may say 50 times a second what its sensor says twice."""
+    closer, wanted = LoopCloser(loop()), Setpoint(depth=3.0, heading=1.0)
     closer.hold(wanted)
-    for i in range(6):
-        closer.report(Telemetry(i / 20, depth=30.0 if i < 2 else 20.0))
-        efforts = closer.closed(wanted, i / 20)
+    for i in range(8 * hertz):
+        right = Telemetry(i / hertz, depth=3.0, heading=1.0)
+        wrong = right._replace(**{name: 9.0 if name == "depth" else 4.0})  # type: ignore[arg-type]
+        closer.report(wrong if 2.0 <= right.t < 2.9 else right)
+        efforts = closer.closed(wanted, right.t)
         if isinstance(efforts, Setpoint):
-            heaves.append(efforts.heave)
-    trim, most = loop().depth.trim, loop().depth.most
-    assert heaves[:4] == pytest.approx([trim] * 4)
-    assert closer.fault, "the error has grown by 10 m"
-    closer.hold(Setpoint(depth=31.0))
-    efforts = closer.closed(Setpoint(depth=31.0), 0.25)
+            assert efforts.turn == pytest.approx(0.0)
+            assert efforts.heave == pytest.approx(loop().depth.trim)
+        else:
+            assert 2.3 < right.t < 2.9
+    assert closer.fault == ""
+
+
+@pytest.mark.parametrize("name", ["depth", "heading"])
+def test_a_reading_that_stays_elsewhere_for_a_second_counts(name: str) -> None:
+    closer, wanted = LoopCloser(loop()), Setpoint(depth=30.0, heading=1.0)
+    closer.hold(wanted)
+    for i in range(40):
+        report = Telemetry(i / 20, depth=30.0, heading=1.0)
+        if report.t > 0.5:
+            report = report._replace(**{name: 4.0})  # type: ignore[arg-type]
+        closer.report(report)
+        assert bool(closer.fault) is (report.t > 1.5), "the error has grown"
+    wanted = Setpoint(depth=31.0, heading=5.0)
+    closer.hold(wanted)
+    efforts = closer.closed(wanted, 39 / 20)
     assert isinstance(efforts, Setpoint)
-    assert efforts.heave == most
+    held = efforts.heave if name == "depth" else efforts.turn
+    assert held == (loop().depth.most if name == "depth" else loop().heading.most)
 
 
 @pytest.mark.parametrize(("rate", "given_up"), [(-0.09, False), (-0.11, True), (0.1, False)])

@@ -2,8 +2,9 @@
 
     report --> filter --> error --> gain, rate, integral, trim --> effort, within its bound
 
-A reading that its report marks doubtful is as good as none. A depth that no vehicle can have gone
-to is left out; behind three in a row the filter begins anew.
+A reading that its report marks doubtful is as good as none. One that no vehicle can have come to
+is left out; where all are for a second, the filter begins anew: a quick board repeats one wrong
+value of its sensor.
 A report older than 0.5 s is neutral. Where the error has grown by 0.5 m, or 30 degrees, within 5 s
 of the same set, something is not as the vehicle file says it: neutral, and the set is refused. What
 grew under a set that was given up, or while it was neutral, is not the next one's. What it says
@@ -26,9 +27,8 @@ GROWS_S = 5.0
 GROWN = {"depth": 0.5, "heading": math.radians(30.0)}  # m, rad
 _SMOOTH_S = 0.3  # time constant of the filter
 _GAP_S = 1.0  # a longer one begins the filter anew
-_LEAP = {"depth": 1.0, "heading": math.inf}  # m beyond what it goes at the fastest: a wrong value
-_FASTEST = 2.0  # m/s
-_LEAPS = 3  # in a row are where it is
+_LEAP = {"depth": 1.0, "heading": math.radians(30.0)}  # m, rad beyond what it can have moved by
+_FASTEST = {"depth": 2.0, "heading": 1.6}  # m/s, rad/s
 _EFFORTS = {"depth": "heave", "heading": "turn"}
 
 
@@ -40,7 +40,7 @@ class _Axis:
         self.name, self._gains, self._circular = name, gains, name == "heading"
         self.heard = -math.inf
         self._value = self._rate = self._sum = 0.0
-        self._leaps = 0  # in a row
+        self._leaps = False  # the last reading was left out
         self._wanted: float | None = None
         self._errors: deque[tuple[float, float]] = deque()
         self._resumes = False
@@ -56,8 +56,12 @@ class _Axis:
     def report(self, t: float, value: float) -> str:
         """Takes in a report. Returns why the axis is not held any longer, "" if it is."""
         dt = t - self.heard
-        if dt <= 0.0 or self._leapt(dt, value):
+        if dt <= 0.0:
             return ""
+        before, self._leaps = self._leaps, self._leapt(dt, value)
+        if self._leaps:
+            return ""
+        self._resumes = self._resumes and not before  # it was reported, and is an error now
         self._filter(dt, value)
         self.heard = t
         if self._wanted is None:
@@ -77,13 +81,11 @@ class _Axis:
     def _leapt(self, dt: float, value: float) -> bool:
         """Whether it is to be left out."""
         off = abs(self._apart(value, self._value + self._rate * dt))
-        leaps = dt <= _GAP_S and off > _LEAP[self.name] + _FASTEST * dt
-        self._leaps = self._leaps + 1 if leaps else 0
-        return 0 < self._leaps < _LEAPS
+        return dt <= _GAP_S and off > _LEAP[self.name] + _FASTEST[self.name] * dt
 
     def _filter(self, dt: float, value: float) -> None:
-        if dt > _GAP_S or self._leaps:
-            self._value, self._rate, self._leaps = value, 0.0, 0
+        if dt > _GAP_S:
+            self._value, self._rate = value, 0.0
             return
         alpha = 1.0 - math.exp(-dt / _SMOOTH_S)
         ahead = self._value + self._rate * dt
