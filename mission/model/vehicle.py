@@ -254,6 +254,11 @@ class Vehicle:
     def output(self, name: str) -> Output | None:
         return next((output for output in self.outputs if output.name == name), None)
 
+    @property
+    def safe_levels(self) -> Mapping[str, float]:
+        """What every output is while nobody has set it, by its channel."""
+        return {output.channel: output.safe for output in self.outputs}
+
     def gear_near(self, speed: float) -> int:
         """The gear whose speed is nearest to ``speed`` (m/s), the lower of two."""
         curve = self.speed_by_gear

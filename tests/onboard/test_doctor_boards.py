@@ -28,7 +28,9 @@ from mission.onboard.doctor import port_probe, signs
 from mission.onboard.doctor.boards import BOARDS, board
 from mission.onboard.doctor.findings import Condition
 from mission.onboard.serve import health
+from protocol.tolerances import Tolerances
 from protocol.vehicles import VEHICLES
+from protocol.vehicles import link as protocol_link
 
 FOREIGN = ("STM32", "@SD", "@R", "shakedown", "float-test", "drop weight")  # of document 000 alone
 
@@ -125,6 +127,34 @@ def test_where_the_vehicle_has_two_boards_each_is_told_its_own_frames(
     assert [one.says for one in found] == ["no depth in the reports", "no heading in the reports"]
     assert set(told) == {b"\0\1\7", b"\0\2\7"}, "force and torque"
     assert line.count(b"\xfe\xef") == line.count(b"\xfd\xdf") == told[b"\0\1\7"]
+
+
+def test_what_its_frames_carry_beside_the_effort_is_what_the_vehicle_file_says_is_safe(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    sent: list[bytes] = []
+
+    class Line:
+        def fileno(self) -> int:
+            return -1
+
+        def send(self, data: bytes, now: float, address: str = "") -> None:
+            sent.append(data)
+
+        def receive(self, now: float) -> list[object]:
+            return []
+
+        def close(self) -> None:
+            pass
+
+    vehicle = load_vehicle("mainboard")
+    monkeypatch.setattr(signs, "REST_S", 0.1)
+    monkeypatch.setattr(signs, "probes_of", lambda _vehicle: ())
+    monkeypatch.setattr(signs, "open_whole", lambda _name, _url: Line())
+    assert not list(signs.sign_findings("can://can0?sensors=/dev/none", vehicle))
+    frame = protocol_link("coreboard.main_to_sensor").frames(Tolerances())[0]
+    told = [frame.decode(data)["ptz"] for data in sent if data[0] > 7]
+    assert set(told) == {vehicle.safe_levels["ptz"]}
 
 
 @pytest.mark.parametrize("word", ["--ask", "--signs"])

@@ -16,12 +16,15 @@ from served import PATIENCE, read_now, silent_board, simulated, soon
 
 from mission.engine.restart import STOPS
 from mission.model import UNKNOWN
-from mission.model.shipped import load_vehicle
+from mission.model.shipped import load_vehicle, vehicle_file
+from mission.model.vehicle_file import read_vehicle
 from mission.onboard.configuration import Configuration, LinkUrls
 from mission.onboard.kept import Homes, write_summed
 from mission.onboard.lifeboat import Climb, Plan, depths, plan_from
 from mission.onboard.serve.working import Working, keep
 from mission.onboard.store import DiskStore
+from protocol.tolerances import Tolerances
+from protocol.vehicles import link
 
 X, W, U = b"@ZAX0$", b"@ZAWF$", b"@ZAU12$"
 
@@ -157,6 +160,24 @@ def test_other_vehicles_are_told_in_their_own_words_and_at_their_pace(tmp_path: 
     assert plan is not None
     assert plan.period is not None
     assert len({plan.stop, plan.surface, plan.up}) >= 2
+
+
+def test_outputs_that_ride_with_its_words_are_what_the_vehicle_file_says_is_safe(
+    tmp_path: Path,
+) -> None:
+    """A weight that hangs by a magnet is dropped by a 0."""
+    text = vehicle_file("coreboard").read_text(encoding="utf-8")
+    weight = "weight: {channel: passthrough2, high: 1, safe: 1, irreversible: true, ascent: 0}"
+    servo = "servo: {channel: passthrough1, low: 60, high: 120, safe: 90}"
+    vehicle = read_vehicle(text.replace("outputs:", f"outputs:\n  {weight}\n  {servo}\n", 1), "")
+    homes = Homes(None, tmp_path / "pi", {})
+    keep(Working(Configuration(folder=tmp_path / "pi"), vehicle), homes)
+    DiskStore(tmp_path / "pi" / "store").keep_under_way("autonomous/out")
+    plan = plan_from(["--folder", str(tmp_path / "pi")], {})
+    assert plan is not None
+    frame = link("coreboard.pc_to_main").frames(Tolerances())[0]
+    for way in (plan.stop, plan.surface, plan.up):
+        assert frame.decode(way[0])["passthrough"] == "5a01" + 9 * "00"
 
 
 @pytest.mark.parametrize(

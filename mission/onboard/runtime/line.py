@@ -21,7 +21,7 @@ from protocol.vehicles.adapter import SilentBoard
 def line_to(codec: VehicleCodec, link: str, url: str, vehicle: Vehicle) -> Frontseat | Repeater:
     """``vehicle``: that which ``codec`` speaks to; its rate where the ``url`` tells none."""
     channels = {output.name: output.channel for output in vehicle.outputs}
-    codec.take_outputs({output.channel: output.safe for output in vehicle.outputs})
+    codec.take_outputs(vehicle.safe_levels)
 
     def take(wanted: Outputs) -> Mapping[str, bytes]:
         return codec.take_outputs({channels[name]: level for name, level in wanted.levels})

@@ -47,6 +47,7 @@ def keep(working: Working, homes: Homes) -> None:
 def _plain(working: Working) -> dict[str, object]:
     c, v = working.configuration, working.vehicle
     made = codec(*v.speaks)
+    made.take_outputs(v.safe_levels)
     ways: dict[str, list[str]] = {}
     for name, command in (("stop", Order.STOP), ("surface", Order.SURFACE), ("up", UPWARD)):
         with contextlib.suppress(ValueError):  # the robot on land has no word for up
