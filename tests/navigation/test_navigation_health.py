@@ -174,6 +174,23 @@ def test_what_a_quick_board_repeats_for_less_than_a_second_is_not_agreed_on(
     assert health.of("depth", t).reason.startswith("contradicted: it leapt")
 
 
+@pytest.mark.parametrize(("hertz", "changes_each"), [(10.0, 0.5), (50.0, 0.2), (50.0, 1.0)])
+def test_one_wild_value_of_a_sensor_that_is_slower_than_its_board_is_no_leap(
+    hertz: float, changes_each: float
+) -> None:
+    """The board repeats it until there is the next one. What stays elsewhere leapt all the same."""
+    health = SensorHealth(_ALL)
+    for i in range(int(30.0 * hertz)):
+        said = math.floor(i / hertz / changes_each + 1e-6)
+        wild = said == math.floor(10.0 / changes_each) or i / hertz > 25.0
+        depth = 40.0 if wild else 5.0 + 0.01 * said
+        health.telemetry(report(i, depth=depth)._replace(t=i / hertz))
+        seen = health.of("depth", i / hertz)
+        assert seen.reason in ("", "absurd") or i / hertz > 25.9
+        assert seen.valid or not 13.0 < i / hertz < 25.0
+    assert seen.reason.startswith("contradicted: it leapt by 3")
+
+
 def test_a_heading_through_north_is_no_leap() -> None:
     health = after(report(0, heading=6.28), report(1, heading=0.01))
     assert health.of("heading", 2.0).valid

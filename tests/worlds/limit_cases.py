@@ -290,8 +290,8 @@ CASES: dict[str, Case] = {
     ),
     "heading does not follow": Case(
         "heading 60 deg off what was set, and growing",
+        lambda w: turned(w, 60.0, 5),
         lambda w: turned(w, 60.0, 4),
-        lambda w: turned(w, 60.0, 3),
         lambda w: turned(w, 30.0, 30),
     ),
     "course against heading": Case(
