@@ -78,6 +78,22 @@ class Truth(NamedTuple):
         return self.depth <= ANTENNA
 
 
+class _Pace:
+    """How the reports follow each other: a firmware waits for 2 s behind what it has just done, and
+    is kept from it by other work. Some boards are mostly early, others mostly late."""
+
+    def __init__(self, uneven: float, seed: int) -> None:
+        most = round(uneven / TICK)
+        self._rng = Random(f"pace {seed}")  # of its own: even reports are what they were
+        self._early, self._late = self._rng.randint(0, most), self._rng.randint(0, most)
+
+    def ticks(self) -> int:
+        """To the next one."""
+        if not (self._early or self._late):
+            return REPORT_TICKS
+        return REPORT_TICKS + self._rng.randint(-self._early, self._late)
+
+
 class SimulatedVehicle:
     def __init__(
         self,
@@ -123,6 +139,7 @@ class SimulatedVehicle:
         self.gps_link = GpsLink(self)
         self._tick = 0
         self._next_report, self._next_second = FIRST_REPORT, SECOND_TICKS
+        self._pace = _Pace(self.settings.uneven, seed)
         self._anchor = (*position, 0.0, 0.0)  # latitude, longitude at plant north, east
         self.edges = edges(self.settings.faults, FAULTS, TICK, "the AUV")
         self._in_force = InForce(FAULTS)
@@ -173,7 +190,7 @@ class SimulatedVehicle:
             self._next_second += SECOND_TICKS
             self._second(tick * TICK)
         if tick == self._next_report:
-            self._next_report += REPORT_TICKS
+            self._next_report += self._pace.ticks()
             self.stm32.report(self.plant, tick * TICK)
         self._foretell()
 

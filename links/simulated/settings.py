@@ -49,6 +49,7 @@ class Settings:
     added: Fitted = field(default_factory=Fitted)
     second_gps: float | None = None  # m: noise of a second receiver; None: it is not there
     sentences: tuple[str, ...] = ("GGA", "RMC")  # what the GPS receiver says every second
+    uneven: float = 0.0  # s that @SD may come early or late
     thrust: float = 1.0  # share that the main thrusters have of what their body's have
 
     def pushed(self, body: Body) -> Body:
@@ -165,6 +166,10 @@ def _splice(settings: Settings, text: str) -> Settings:
     return replace(settings, splice=_number(text, 0.0, 1.0))
 
 
+def _uneven(settings: Settings, text: str) -> Settings:
+    return replace(settings, uneven=_number(text, 0.0, 1.8))
+
+
 def parse_fault(text: str) -> FaultEvent:
     """``name[=value]@begin[+duration]``."""
     what, at, when = text.rpartition("@")
@@ -220,6 +225,7 @@ SETTINGS: dict[str, Setting] = {
     "first_fix": Setting("S", "after power-on", _errors("first_fix", 1.0)),
     "buoyancy": Setting("N", "net, upward", _buoyancy),
     "thrust": Setting("SHARE", "of what the main thrusters have; a robot's wheels alike", _thrust),
+    "uneven": Setting("S", "that an @SD comes early or late, to 0.2 s; boards none", _uneven),
     "splice": Setting("CHANCE", "of an answer inside an @SD", _splice),
     "fault": Setting("NAME[=VALUE]@BEGIN[+DURATION]", "s; may be given again", _fault),
 }
