@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import random
+from itertools import pairwise
 
 import pytest
 
@@ -47,7 +48,10 @@ def ordered(received: list[Rx]) -> list[tuple[str, float, bytes]]:
 @pytest.mark.parametrize("profile", PROFILES)
 def test_same_seed_same_bytes_however_time_is_cut(profile: str) -> None:
     settings = parse_settings(
-        ["current=0.2@45", "deep_current=0.1@90", "fault=heavy@30+10", "fault=line_noise@50+9"]
+        [
+            *("current=0.2@45", "deep_current=0.1@90", "uneven=0.6"),
+            *("fault=heavy@30+10", "fault=line_noise@50+9"),
+        ]
     )
     first = SimulatedVehicle(profile, 7, settings)
     flown = ordered(fly(first, 90.0))
@@ -57,6 +61,19 @@ def test_same_seed_same_bytes_however_time_is_cut(profile: str) -> None:
         assert first.truth() == again.truth()
         assert first.track == again.track
     assert flown != ordered(fly(SimulatedVehicle(profile, 8, settings), 90.0))
+
+
+def test_reports_come_early_and_late_where_they_are_uneven() -> None:
+    most = 0.6
+    means = set()
+    for seed in range(20):
+        vehicle = SimulatedVehicle("documented", seed, parse_settings([f"uneven={most}"]))
+        times = [rx.t for rx in vehicle.vehicle_link.receive(200.0)]
+        apart = [round(b - a, 3) for a, b in pairwise(times)]
+        assert all(2.0 - most <= a <= 2.0 + most for a in apart)
+        means.add(round(sum(apart) / len(apart), 1))
+    assert min(means) < 1.9  # some boards are fast
+    assert max(means) > 2.1  # and some are slow
 
 
 @pytest.mark.parametrize("profile", PROFILES)

@@ -152,15 +152,15 @@ def rows(subjects: Sequence[Subject]) -> tuple[str, ...]:
 def draw_row(row: str, rng: Random, seed: int, number: int, subjects: Sequence[Subject]) -> Plan:
     """Draws a flight of one of ``rows``; of a scene, every second flight has the scene alone."""
     if row in scenes_of(subjects[0].vehicle):
-        return _unevenly(
-            _staged(rng, seed, number, subjects, row, BESIDE if number % 2 else 0.0)
-        )
+        return _unevenly(_staged(rng, seed, number, subjects, row, BESIDE if number % 2 else 0.0))
     subject = {subject.path.stem: subject for subject in subjects}[row]
     return _unevenly(_disturbed(rng, seed, number, subjects, subject))
 
 
 def _unevenly(plan: Plan) -> Plan:
     """No firmware reports every 2.000 s."""
+    if plan.subject.vehicle != "auv":
+        return plan
     most = Random(f"uneven {plan.vehicle_seed}").choice(UNEVEN)
     return replace(plan, settings=replace(plan.settings, uneven=most))
 

@@ -653,6 +653,15 @@ def test_the_missions_of_scenes_pass_the_check() -> None:
         assert check_mission(compile_mission(mission, vehicle, digest(mission)), vehicle).ok
 
 
+def test_most_flights_of_the_auv_report_unevenly_and_say_so() -> None:
+    plans = [draw(1, number, KNOWN) for number in range(200)]
+    uneven = Counter(plan.settings.uneven for plan in plans)
+    assert set(uneven) == {0.0, 0.2, 0.4, 0.6}
+    assert min(uneven.values()) > 20
+    for plan in plans:
+        assert (f"uneven={plan.settings.uneven:g}" in plan.in_words()) == bool(plan.settings.uneven)
+
+
 def test_all_scenes_are_drawn_some_with_something_else_beside() -> None:
     plans = [draw(1, number, KNOWN) for number in range(800)]
     assert {plan.scene for plan in plans} == {"", *SCENES}
