@@ -4,14 +4,14 @@
     upside down, behind them:               D12 for 5 s, at most once a minute
 
 A way that makes the depth fall, from its turn's begin or, where it sank on, from the deepest since,
-is kept for as long as it does, over two turns of it, and said once more when it no longer does: the
-board may have lost it. One under which a vehicle that sank has just turned round has another turn.
-Behind a push the wrong way a vehicle sinks on before it rises, and letting go then has two turns.
-Full thrust has two when it comes round again: by a depth that comes 12 s late what one way lifts is
-seen in the turn of the next. Where no depth tells, it has one more each time it comes round, up to
-four: what is heavy sinks in the turns of the others. What sank when it was let go at the surface
-has the two, or the four, at once.
-An unknown depth counts as not falling. Where the attitude is doubtful too, any push may lead down:
+is kept for as long as it does, over two turns of it and from its first on (waves swing as high in
+each), and said once more when it no longer does: the board may have lost it. One under which a
+vehicle that sank has just turned round has another turn. Behind a push the wrong way a vehicle
+sinks on before it rises, and letting go then has two turns. Full thrust has two when it comes round
+again: by a depth that comes 12 s late what one way lifts is seen in the turn of the next. Where no
+depth tells, it has one more each time it comes round, up to four: what is heavy sinks in the turns
+of the others. What sank when it was let go at the surface has the two, or the four, at once. An
+unknown depth counts as not falling. Where the attitude is doubtful too, any push may lead down:
 each time the vehicle is let go that lasts twice as long, up to 160 s, and then 10 s again, since
 what is heavy needs the pushes. A depth that was known in the turn of full thrust and is not at its
 end does not cut that short: it may follow late. It never gives up. Where it begins depends on what
@@ -61,6 +61,7 @@ class Ascent:
             "_deepest",
             "_dark",
             "_downward",
+            "_first",
             "_heard",
             "_kept",
             "_let_go",
@@ -72,6 +73,7 @@ class Ascent:
             "_shallowest",
             "_since",
             "_start_depth",
+            "_turns",
             "_ways",
         ),
         *("_turn", "began", "push", "way", "why"),
@@ -96,6 +98,8 @@ class Ascent:
         self._kept = False  # the way in use has made the depth fall
         self._heard = False  # an operator has said W in its turn
         self._before: float | None = None  # the deepest of the turn before, that was of this way
+        self._first: float | None = None  # the shallowest of this way's first turn
+        self._turns = 0  # of this way, behind its first
         self._begin_turn(now, depth)
         first = ways[0]
         if overturned:
@@ -187,8 +191,16 @@ class Ascent:
         rises = fallen >= FALL + (0.0 if sank > SANK else sank)
         if self._before is not None and self._before - (deepest - fallen) < 2.0 * FALL:
             rises = False  # noise alone makes one turn's rise now and then, but not two turns'
+        if not self._gains():
+            rises = False
         self._kept = self._kept or rises
         return rises or (sank > DEEPER and fallen >= ROUND)
+
+    def _gains(self) -> bool:
+        """Each of the way's turns is shallower than the one before, all in all: waves swing about
+        as high in every one of them."""
+        first, least = self._first, self._shallowest
+        return first is None or least is None or first - least >= FALL * self._turns
 
     def _pushes_on(self, overturned: bool) -> bool:
         """Nothing tells whether full thrust lifts it, and it has not had its turns."""
@@ -235,12 +247,13 @@ class Ascent:
 
     def _go_on(self, now: float, depth: float | None) -> None:
         """Another turn of the way in use."""
-        before = self._deepest
+        before, turns = self._deepest, self._turns + 1
+        first = self._shallowest if self._first is None else self._first
         self._begin_turn(now, depth)
-        self._before = before
+        self._before, self._first, self._turns = before, first, turns
 
     def _begin_turn(self, now: float, depth: float | None, turn: float | None = None) -> None:
-        self._before, self._heard = None, False
+        self._before, self._first, self._turns, self._heard = None, None, 0, False
         self._since = self._looked = now
         self._turn = TURN if turn is None else turn
         self._longest = self._turn + WORD

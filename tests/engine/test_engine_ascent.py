@@ -8,6 +8,7 @@ from itertools import pairwise
 import pytest
 from engine_world import VEHICLE, M, W, World, X, fixes, leg, mission, when
 
+from links.simulated.waves import Waves
 from mission.engine.ascent import DOWNWARD, Ascent
 from mission.engine.vehicle_state import WRONG_FOR
 from mission.legs import Surface
@@ -269,6 +270,26 @@ def test_nor_that_of_a_depth_at_which_it_has_come_to_a_stand():
         kept.append(told - stands)
     assert sum(kept) / len(kept) < 30.0
     assert sum(seconds > 60.0 for seconds in kept) <= 2
+
+
+@pytest.mark.parametrize("period", [4.0, 6.5, 8.0, 12.0])
+def test_waves_keep_no_way_for_long_under_which_it_stays_where_it_is(period: float):
+    """As built W leaves it at its depth: 3 m deep in waves of 1 m it was kept for 4 minutes."""
+    for seed in range(100):
+        waves, ascent, told = Waves(1.0, period, seed), begun(3.0), 0.0
+        while ascent.way is Order.SURFACE:
+            told += 2.0
+            ascent.act(told, 3.0 + waves.at(told, 3.0).head, False)
+        assert told <= 60.0
+
+
+def test_in_waves_what_rises_is_kept():
+    for seed in range(100):
+        waves, ascent, depth = Waves(1.0, 8.0, seed), begun(20.0), 20.0
+        for i in range(1, 50):
+            depth = 20.0 - 0.3 * 2.0 * i
+            ascent.act(2.0 * i, depth + waves.at(2.0 * i, depth).head, False)
+            assert ascent.way is Order.SURFACE or depth < 1.0
 
 
 def test_of_a_depth_that_comes_late_full_thrust_is_tried_for_longer():
