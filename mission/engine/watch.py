@@ -313,8 +313,10 @@ class Watch:
         if self.sent is None or depth is None or not self.vehicle_state.health("heading").valid:
             return None
         ahead = self.vehicle.speed_by_gear.at(GEARS * self.sent.surge)
-        if ahead < _UNDER_WAY or fix.speed < _UNDER_WAY or depth >= SURFACE_DEPTH:
+        if ahead < _UNDER_WAY or fix.speed < _UNDER_WAY:
             return False
+        if depth >= SURFACE_DEPTH:
+            return None  # a fix says otherwise: waves
         return abs(wrap(fix.course - e.heading)) > _APART
 
     def turning(self, since: float) -> bool:
