@@ -33,6 +33,7 @@ from links.simulated.plant import TICK, TICK_STEPS, Plant
 from links.simulated.schedule import InForce, edges
 from links.simulated.sensors import Sensors
 from links.simulated.settings import SettingError, Settings
+from links.simulated.waves import Waves
 
 PROFILES: dict[str, type[Stm32]] = {"documented": Documented, "as-built": AsBuilt}
 HOME = (radians(30.2874595), radians(120.1535765))
@@ -122,6 +123,8 @@ class SimulatedVehicle:
         self.sensors = Sensors(
             self.settings.errors, rng, repeats_when_silent=as_built, declination=declination
         )
+        if sea.waves[0]:
+            self.sensors.waves = Waves(*sea.waves, seed)
         self.stm32 = PROFILES[profile](self.sensors, rng)
         if self.settings.splice is not None:
             self.stm32.splice = self.settings.splice

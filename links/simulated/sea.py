@@ -18,6 +18,7 @@ class Sea:
     floor: float = 30.0  # m
     floor_at: FloorAt | None = None  # by place; where it knows none, ``floor``
     floor_from: str = ""  # what tells it
+    waves: tuple[float, float] = (0.0, 8.0)  # amplitude, m, and period, s
 
     def floor_under(self, place: tuple[float, float]) -> float:
         """m at a latitude and longitude, rad; no shallower than a vehicle floats."""

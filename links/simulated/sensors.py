@@ -24,6 +24,7 @@ from math import cos, exp, log, nan, pi, radians, remainder, sin, sqrt
 from random import Random
 
 from links.simulated.plant import Plant
+from links.simulated.waves import Felt, Waves
 from links.simulated.wrong import Wrong
 
 PERIOD = 2.0  # s between samples, that of @SD
@@ -152,6 +153,7 @@ class Sensors:
         self._echo = False
         self.used = 0.0  # J out of the power battery
         self.age = 0  # samples so far
+        self.waves: Waves | None = None
 
     # --- what the control loops read -------------------------------------------------------
 
@@ -177,7 +179,7 @@ class Sensors:
 
     # --- what is reported ------------------------------------------------------------------
 
-    def sample(self, plant: Plant) -> list[float]:
+    def sample(self, plant: Plant, now: float = 0.0) -> list[float]:
         """Roll, pitch, heading, temperature (deg C), depth, altitude, 9 x T, 2 x V."""
         errors = self.errors
         self._slow = self._keep * self._slow + self.rng.gauss(0.0, self._renew)
@@ -198,6 +200,8 @@ class Sensors:
             *self._magnetic(plant, magnetic),
             *self._batteries(plant),
         ]
+        if self.waves is not None:
+            self._rock(values, self.waves.at(now, plant.depth))
         for slot in self.bent:
             values[slot] = self._as_bent(slot, values[slot])
         for slot, wrong in self.wrong.items():
@@ -206,6 +210,12 @@ class Sensors:
             self._break(values)
         self.last = values
         return values
+
+    def _rock(self, values: list[float], felt: Felt) -> None:
+        values[0] = _half_circle(values[0] + felt.roll)
+        values[1] += felt.pitch
+        values[2] = (values[2] + felt.roll * FIELD_DOWN / FIELD_NORTH) % TWO_PI
+        values[4] += felt.head
 
     def _without(self, slot: int) -> float:
         return self.last[slot] if self._silent is Health.FROZEN else nan

@@ -94,6 +94,13 @@ def _current(text: str) -> tuple[float, float]:
     return _number(speed, 0.0, 5.0), radians(_number(direction, -360.0, 360.0))
 
 
+def _waves(text: str) -> tuple[float, float]:
+    amplitude, at, period = text.partition("@")
+    if not at:
+        raise SettingError(f"write amplitude@period, e.g. 0.4@6, not {text!r}")
+    return _number(amplitude, 0.0, 5.0), _number(period, 2.0, 20.0)
+
+
 def _sea(name: str, read: Callable[[str], object]) -> Apply:
     return lambda s, text: replace(s, sea=replace(s.sea, **{name: read(text)}))  # type: ignore[arg-type]
 
@@ -199,6 +206,7 @@ SETTINGS: dict[str, Setting] = {
     "deep_current": Setting(
         "SPEED@DIRECTION", "the current at the floor", _sea("deep_current", _current)
     ),
+    "waves": Setting("M@S", "amplitude and period; only the AUV feels them", _sea("waves", _waves)),
     "floor": Setting("DEPTH", "m", _sea("floor", lambda text: _number(text, 1.0, 11000.0))),
     "declination": Setting("DEG", "east positive", _errors("declination", _DEG, -180.0, 180.0)),
     "compass_bias": Setting("DEG", "", _errors("compass_bias", _DEG, -180.0, 180.0)),

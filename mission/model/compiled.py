@@ -32,6 +32,7 @@ MODULES = (
     "links.simulated.sea",
     "links.simulated.sensors",
     "links.simulated.settings",
+    "links.simulated.waves",
     "links.simulated.wrong",
     "mission.analysis.smoothing",
     "mission.engine.ascent",

@@ -139,7 +139,7 @@ class Stm32(ABC):
 
     def report(self, plant: Plant, now: float) -> None:
         """Sample the sensors and send ``@SD``, if the board does that now."""
-        values = self.sensors.sample(plant)
+        values = self.sensors.sample(plant, now)
         if self.reporting:
             self.tx.send(self.telemetry(values), now)
 

@@ -1,7 +1,8 @@
 """Flights without faults: currents, noise and the trim of the body alone.
 
 A shipped mission on one of the profiles, in a current up to the one that it assumes, the deep one
-another, a depth noise to 0.2 m, 8 to 20 N of buoyancy, the ground within reach of the altimeter.
+another, waves, uneven reports, a depth noise to 0.2 m, 8 to 20 N of buoyancy, the ground within
+reach of the altimeter.
 The law: no limit acts and no leg takes its ``else``; whatever does is a false alarm. Excused is the
 ``else`` of a leg above the ground whose altimeter really heard no echo as long as R8 waits for one:
 each ping is lost by itself, so that some flight in a thousand has so many lost in a row.
@@ -23,7 +24,7 @@ from mission.engine.run import BLIND_TIME
 from mission.model import Mission, Step
 from mission.model.vehicle import Vehicle
 from mission.onboard.runtime.records import Recorder
-from mission.verification.campaign.draw import Plan, Subject, profiles_of
+from mission.verification.campaign.draw import Plan, Subject, in_a_seaway, profiles_of
 from mission.verification.campaign.faults import ALARMED, FlightResult, fly_plan, result_of
 from mission.verification.campaign.laws import Violation
 from mission.verification.rig.trace import Heard, Trace
@@ -52,7 +53,8 @@ def calm(seed: int, number: int, subjects: Sequence[Subject]) -> Plan:
     profile = rng.choice(profiles_of(subject.vehicle))
     vehicle_seed = rng.randrange(1 << 31)
     heading = rng.uniform(0.0, math.tau)
-    return Plan(seed, number, subject, profile, vehicle_seed, settings, (), heading)
+    plan = Plan(seed, number, subject, profile, vehicle_seed, settings, (), heading)
+    return in_a_seaway(plan)
 
 
 def _open_floor(mission: Mission) -> tuple[float, float]:

@@ -212,13 +212,14 @@ def _ways(story: Story, stay: Stay) -> list[Tx]:
 
 
 def _lies_over(story: Story, t: float) -> bool:
-    """Upside down for so long that it is known, and reports have told of it."""
+    """Upside down for so long that it is known, and reports have told of it; and not just turning
+    upright, which the track, of once a second, shows in the next."""
     begin = t - _KNOWN_OVER
     if not story.told_in(begin, t):
         return False
     if story.faulty((*DEPTH_FAULTS, "attitude_", "roll_"), begin, t) or story.hindered(begin, t):
         return False
-    return all(story.tilt(begin + i) > _OVERTURNED for i in range(int(_KNOWN_OVER) + 1))
+    return all(story.tilt(begin + i) > _OVERTURNED for i in range(int(_KNOWN_OVER) + 2))
 
 
 def net_buoyancy(story: Story, begin: float, end: float) -> float:

@@ -46,6 +46,7 @@ OUT_OF_HAND = frozenset(
 )
 WEIGHT = frozenset({"heavy", "light"})
 STAGED, BESIDE = 0.7, 0.4  # shares: of the flights, and of those with something else beside
+ROUGH, AMPLITUDE, WAVE_PERIOD = 0.5, (0.05, 0.75), (3.5, 12.0)  # share of the flights; m, s
 UNEVEN = (0.0, 0.2, 0.4, 0.6)  # s that a report may come early or late
 SCENE_TIME, SCENE_FLOOR = 160.0, 30.0  # s that matter, m
 IDLE = ("temperature_", "magnetometer_", "battery_")  # nothing on this vehicle decides by them
@@ -114,6 +115,7 @@ class Plan:
             f"{self.subject.path.stem} on {self.profile}",
             f"current {speed:.2f} m/s towards {math.degrees(direction):.0f} deg",
             f"floor {sea.floor:.0f} m",
+            *([f"waves={sea.waves[0]:g}@{sea.waves[1]:g}"] if sea.waves[0] else []),
             *([f"uneven={self.settings.uneven:g}"] if self.settings.uneven else []),
             *(setting_of(event) for event in self.settings.faults),
             *(f"{drawn.name}@{drawn.begin:.1f}" for drawn in self.incidents),
@@ -125,8 +127,8 @@ def draw(seed: int, number: int, subjects: Sequence[Subject], staged: float = ST
     """``staged``: share of the flights with a scene."""
     rng = Random(f"faults {seed} {number}")
     if rng.random() < staged:
-        return _unevenly(_staged(rng, seed, number, subjects))
-    return _unevenly(_disturbed(rng, seed, number, subjects))
+        return in_a_seaway(_staged(rng, seed, number, subjects))
+    return in_a_seaway(_disturbed(rng, seed, number, subjects))
 
 
 def stage(name: str, seed: int, vehicle: str = "auv") -> Plan:
@@ -152,17 +154,20 @@ def rows(subjects: Sequence[Subject]) -> tuple[str, ...]:
 def draw_row(row: str, rng: Random, seed: int, number: int, subjects: Sequence[Subject]) -> Plan:
     """Draws a flight of one of ``rows``; of a scene, every second flight has the scene alone."""
     if row in scenes_of(subjects[0].vehicle):
-        return _unevenly(_staged(rng, seed, number, subjects, row, BESIDE if number % 2 else 0.0))
+        return in_a_seaway(_staged(rng, seed, number, subjects, row, BESIDE if number % 2 else 0.0))
     subject = {subject.path.stem: subject for subject in subjects}[row]
-    return _unevenly(_disturbed(rng, seed, number, subjects, subject))
+    return in_a_seaway(_disturbed(rng, seed, number, subjects, subject))
 
 
-def _unevenly(plan: Plan) -> Plan:
-    """No firmware reports every 2.000 s."""
+def in_a_seaway(plan: Plan) -> Plan:
+    """No firmware reports every 2.000 s, and few seas are flat."""
     if plan.subject.vehicle != "auv":
         return plan
-    most = Random(f"uneven {plan.vehicle_seed}").choice(UNEVEN)
-    return replace(plan, settings=replace(plan.settings, uneven=most))
+    rng = Random(f"seaway {plan.vehicle_seed}")
+    uneven, rough = rng.choice(UNEVEN), rng.random() < ROUGH
+    waves = (round(rng.uniform(*AMPLITUDE), 2), round(rng.uniform(*WAVE_PERIOD), 1))
+    sea = replace(plan.settings.sea, waves=waves) if rough else plan.settings.sea
+    return replace(plan, settings=replace(plan.settings, sea=sea, uneven=uneven))
 
 
 def _staged(

@@ -116,11 +116,12 @@ def _may_turn(trial: Trace, settings: Settings) -> bool:
     if obeys_no_stop(settings, trial.events) or dives_unseen(settings, trial.truth.t):
         return True
     said = any(f.name.startswith(("depth_", "gps_")) for f in settings.faults)
-    return trial.state == SURFACED and (said or _sank(trial))
+    return trial.state == SURFACED and (said or _sank(trial, settings.sea.waves[0]))
 
 
-def _sank(trial: Trace) -> bool:
-    """In truth, out of surfaced, and was brought up by itself: fixes that ended tell it later, and
+def _sank(trial: Trace, waves: float) -> bool:
+    """In truth, or for what waves of so many metres say beside it, out of surfaced, and was brought
+    up by itself: fixes that ended tell it later, and
     so does a receiver that an operator switches off."""
     before, off, sank = "", -math.inf, False
     for event in trial.events:
@@ -133,7 +134,7 @@ def _sank(trial: Trace) -> bool:
         second = min(int(event.t), len(trial.track) - 1)
         seen = trial.track[max(second - TOLD, 0) : second + 1]
         deep, under = (
-            any(p.depth > SANK for p in seen),
+            any(p.depth + waves > SANK for p in seen),
             all(p.depth > UNDER for p in seen[-ENDED:]),
         )
         sank = sank or (again and (deep or under or event.t - off < UNSEEN))

@@ -20,6 +20,7 @@ from mission.verification.rig.acts import TOPSIDE, Act
 _UNASKED = "at the surface"
 _UP, _SEEN = 1.0, 3  # m, and within s: the first fix, and a report that is 2 s old
 _DOUBTED, _SILENT = 40.0, 5.9  # s; the last report was on its way before it was told
+_DEEP = 0.8  # m: no fix proves the surface beside it (R11)
 _TOLD = 5.0  # s from surfaced to the status
 _STUCK = 15.0  # s: of the places by which fixes prove a surface the oldest is 20 s old (R7)
 _CONTRADICT = (*DEPTH_FAULTS, "verticals_")
@@ -42,7 +43,8 @@ def _is_told_up(story: Story, t: float) -> Iterator[Violation]:
     late = story.hindered(t - _SILENT, t) or not story.told_in(t - _SEEN, t)
     seen = math.ceil(_SILENT) + 1 if late else _SEEN
     shallowest = min(story.depth(t - i) for i in range(seen))
-    if state != SURFACED and shallowest > _UP and not _is_doubted(story, t):
+    up = _UP + story.settings.sea.waves[0]
+    if state != SURFACED and shallowest > up and not _is_doubted(story, t):
         says = f"told to be at the surface {story.depth(t):.1f} m deep, in {state}"
         yield Violation(UNLAWFUL, t, says)
 
@@ -58,8 +60,17 @@ def _is_told(story: Story, stay: Stay, unasked: list[Tx]) -> Iterator[Violation]
     parts = any(d.act is Act.PART for d in story.done)
     if stay.end <= due or parts or story.hindered(t - 2.0, due) or _is_stuck(story, t):
         return
+    if _says_deep(story, t):
+        return
     if not any(a.link == TOPSIDE and t - SAME <= a.t <= due for a in unasked):
         yield Violation(UNLAWFUL, t, "at the surface, and nobody was told")
+
+
+def _says_deep(story: Story, t: float) -> bool:
+    """Up by what was seen in the last 6 s (R7), and the depth says otherwise since: the status
+    waits for the next that does not (R11)."""
+    last = next((report for report in reversed(story.reports) if report.t <= t), None)
+    return last is not None and last.depth >= _DEEP
 
 
 def _is_stuck(story: Story, t: float) -> bool:

@@ -662,6 +662,15 @@ def test_most_flights_of_the_auv_report_unevenly_and_say_so() -> None:
         assert (f"uneven={plan.settings.uneven:g}" in plan.in_words()) == bool(plan.settings.uneven)
 
 
+def test_half_of_the_flights_of_the_auv_are_in_waves_and_say_so() -> None:
+    plans = [draw(1, number, KNOWN) for number in range(200)]
+    heights = [plan.settings.sea.waves[0] for plan in plans]
+    assert 70 < sum(height > 0.0 for height in heights) < 130
+    assert 0.6 < max(heights) <= 0.75
+    for plan, height in zip(plans, heights, strict=True):
+        assert (f"waves={height:g}@" in plan.in_words()) == (height > 0.0)
+
+
 def test_all_scenes_are_drawn_some_with_something_else_beside() -> None:
     plans = [draw(1, number, KNOWN) for number in range(800)]
     assert {plan.scene for plan in plans} == {"", *SCENES}

@@ -1,0 +1,45 @@
+"""Waves of deep water, as sensors feel them: the pressure, the attitude, and the compass with it.
+
+Linear theory (Dean and Dalrymple, Water Wave Mechanics, 1991, chapters 3 and 4), two of nearly one
+period, so that they come in groups. At the depth z a wave of the amplitude a and the frequency w,
+k = w^2 / g, changes the pressure head by ``a exp(-kz) cos``, leans what floats in it by its slope
+``ak exp(-kz) sin``, and turns a compass, which takes the acceleration for a part of gravity, by the
+slope times the tangent of the field's dip.
+
+What does not live here: the motion of the vehicle itself, which is that of still water.
+"""
+
+from __future__ import annotations
+
+from math import cos, exp, pi, sin
+from random import Random
+from typing import NamedTuple
+
+GRAVITY = 9.81  # m/s^2
+_APART = 1.15  # of the two periods: six or seven waves make a group
+
+
+class Felt(NamedTuple):
+    head: float = 0.0  # m
+    roll: float = 0.0  # rad
+    pitch: float = 0.0  # rad
+
+
+class Waves:
+    """``amplitude`` in m, of both together at most; ``period`` in s."""
+
+    def __init__(self, amplitude: float, period: float, seed: int) -> None:
+        rng = Random(f"waves {seed}")  # of their own: without waves nothing else is different
+        abeam = rng.uniform(0.0, 2.0 * pi)
+        self._across, self._along = sin(abeam), cos(abeam)
+        self._amplitude = amplitude / 2.0
+        frequencies = 2.0 * pi / period, 2.0 * pi / (_APART * period)
+        self._both = tuple((w, w * w / GRAVITY, rng.uniform(0.0, 2.0 * pi)) for w in frequencies)
+
+    def at(self, t: float, depth: float) -> Felt:
+        head = slope = 0.0
+        for w, k, phase in self._both:
+            here = self._amplitude * exp(-k * max(depth, 0.0))
+            head += here * cos(w * t + phase)
+            slope += here * k * sin(w * t + phase)
+        return Felt(head, slope * self._across, slope * self._along)
