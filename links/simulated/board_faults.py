@@ -52,6 +52,8 @@ IN_WATER = {
     **{name: FAULTS[name] for name in _BODY},
     "capsized": FAULTS["capsized"],
     "depth_frozen": _switch("depth_frozen", "depth is frozen"),
+    "depth_wild": _set("wild", "some depths are anywhere", 0.02, 0.0, "share of readings"),
+    "sensors_slow": _set("slow", "its sensors say another so seldom", 0.5, 0.0, "s"),
 }
 BATTERY = {"battery_low": _set("volts", "low control battery", 9.0, 0.0, "V")}
 LEAK = {"leak": _switch("leak", "water inside")}

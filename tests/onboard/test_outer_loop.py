@@ -253,6 +253,16 @@ def test_a_reading_that_stays_elsewhere_for_a_second_counts(name: str) -> None:
     assert held == (loop().depth.most if name == "depth" else loop().heading.most)
 
 
+@pytest.mark.parametrize("wild", [2.2, 3.8])
+def test_a_depth_that_is_a_metre_off_for_half_a_second_is_no_growth(wild: float) -> None:
+    """Farther off, or nearer: then the way back is none. It is no leap, either."""
+    closer, wanted = LoopCloser(loop()), Setpoint(depth=9.0)
+    closer.hold(wanted)
+    for i in range(200):
+        closer.report(Telemetry(i / 20, depth=wild if 60 <= i < 70 else 3.0, heading=1.0))
+        assert closer.fault == ""
+
+
 @pytest.mark.parametrize(("rate", "given_up"), [(-0.09, False), (-0.11, True), (0.1, False)])
 def test_an_error_that_grows_by_half_a_metre_in_5_s_ends_the_holding(
     rate: float, given_up: bool

@@ -32,6 +32,7 @@ from protocol.vehicles.keys import Wire
 ANTENNA = 0.3  # m: deeper, and the INS has no GPS to be aligned by
 ALIGNS = 3.0  # s after it was switched on (assumed)
 DEPTH, _ANGLE, _HEADING, PLACE = 0.03, radians(0.3), radians(0.5), 2.0  # one sigma, m and rad
+WILD = 0.0, 60.0  # m: of a depth that is anywhere
 CONTROL_V, POWER_V = 24.0, 48.0
 _FULL_RPM = 1000.0
 
@@ -47,6 +48,8 @@ class Troubles:
     deaf: float = 0.0  # it hears nothing
     corrupt: float = 0.0  # share of its frames with a bit turned over
     depth_frozen: float = 0.0
+    wild: float = 0.0  # share of the depths that are anywhere
+    slow: float = 0.0  # s for which its sensors say the same
     volts: float = 0.0  # of its control battery, whatever that has
     leak: float = 0.0  # water inside
 
@@ -120,6 +123,7 @@ class WaterBoard(Board):
 
     body = Body()
     _depth: float | None = None  # that it told last
+    _posed: tuple[float, tuple[float, float, float, float]] | None = None  # when, s, and what
 
     @abstractmethod
     def control(self, plant: Plant, now: float) -> tuple[int, ...]:
@@ -128,11 +132,20 @@ class WaterBoard(Board):
     @abstractmethod
     def report(self, plant: Plant, place: Place, now: float) -> bytes: ...
 
-    def _pose(self, plant: Plant) -> tuple[float, float, float, float]:
-        """Roll, pitch, yaw in deg and depth in m, as its sensors have them."""
-        gauss = self.rng.gauss
-        if self._depth is None or not self.troubles.depth_frozen:
+    def _pose(self, plant: Plant, now: float) -> tuple[float, float, float, float]:
+        """Roll, pitch, yaw in deg and depth in m, as its sensors have them: what they said last
+        where they are slower than its reports."""
+        slow = self.troubles.slow
+        if self._posed is None or not slow or now >= self._posed[0] + slow:
+            self._posed = now, self._pose_now(plant)
+        return self._posed[1]
+
+    def _pose_now(self, plant: Plant) -> tuple[float, float, float, float]:
+        gauss, troubles = self.rng.gauss, self.troubles
+        if self._depth is None or not troubles.depth_frozen:
             self._depth = plant.depth + gauss(0.0, DEPTH)
+        if troubles.wild and not troubles.depth_frozen and self.rng.random() < troubles.wild:
+            self._depth = self.rng.uniform(*WILD)
         yaw = degrees((plant.yaw + gauss(0.0, _HEADING) + pi) % (2.0 * pi) - pi)
         return (
             degrees(remainder(plant.roll + gauss(0.0, _ANGLE), tau)),
@@ -176,7 +189,7 @@ class CoreBoard(WaterBoard):
         return pwms(surge, turn, -down)
 
     def report(self, plant: Plant, place: Place, now: float) -> bytes:
-        roll, pitch, yaw, depth = self._pose(plant)
+        roll, pitch, yaw, depth = self._pose(plant, now)
         aligned = plant.depth <= ANTENNA and now - self.powered >= ALIGNS
         scatter = self.rng.gauss(0.0, PLACE) / 6.4e6, self.rng.gauss(0.0, PLACE) / 6.4e6
         values = {
@@ -244,7 +257,7 @@ class RovBoard(WaterBoard):
         return self.pwm
 
     def report(self, plant: Plant, place: Place, now: float) -> bytes:
-        roll, pitch, yaw, depth = self._pose(plant)
+        roll, pitch, yaw, depth = self._pose(plant, now)
         turning = [round((pwm - NEUTRAL_PWM) * _FULL_RPM / 500) for pwm in self.pwm[:5]]
         values = {
             "ax_g": sin(plant.pitch),

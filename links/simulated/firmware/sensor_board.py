@@ -54,7 +54,7 @@ class SensorBoard(MotorBoards):
         return super().control(plant, now)
 
     def report(self, plant: Plant, place: Place, now: float) -> bytes:
-        roll, pitch, yaw, depth = self._pose(plant)
+        roll, pitch, yaw, depth = self._pose(plant, now)
         aligned = plant.depth <= ANTENNA and now - self.powered >= ALIGNS
         valid = (_GPS | _INS) * aligned + _DVL * self.told["dvl"] + _USBL * self.told["usbl"]
         gauss = self.rng.gauss

@@ -6,9 +6,9 @@ A reading that its report marks doubtful is as good as none. One that no vehicle
 is left out; where all are for a second, the filter begins anew: a quick board repeats one wrong
 value of its sensor.
 A report older than 0.5 s is neutral. Where the error has grown by 0.5 m, or 30 degrees, within 5 s
-of the same set, something is not as the vehicle file says it: neutral, and the set is refused. What
-grew under a set that was given up, or while it was neutral, is not the next one's. What it says
-follows from the recorded reports and their times alone.
+of the same set, by every reading of a second, something is not as the vehicle file says it:
+neutral, and the set is refused. What grew under a set that was given up, or while it was neutral,
+is not the next one's. What it says follows from the recorded reports and their times alone.
 
 What does not live here: the gains (vehicle file), who confirms axes and signs (doctor).
 """
@@ -23,7 +23,7 @@ from mission.model.vehicle import CLOSED_S, AxisLoop, OuterLoop
 from mission.navigation.health import doubted
 from protocol.messages import Order, Setpoint, Telemetry
 
-GROWS_S = 5.0
+GROWS_S, LASTS_S = 5.0, 1.0
 GROWN = {"depth": 0.5, "heading": math.radians(30.0)}  # m, rad
 _SMOOTH_S = 0.3  # time constant of the filter
 _GAP_S = 1.0  # a longer one begins the filter anew
@@ -42,14 +42,15 @@ class _Axis:
         self._value = self._rate = self._sum = 0.0
         self._leaps = False  # the last reading was left out
         self._wanted: float | None = None
-        self._errors: deque[tuple[float, float]] = deque()
+        self._errors: deque[tuple[float, float]] = deque()  # s, and how far off; of a second
+        self._most: deque[tuple[float, float]] = deque()  # the same, of each second that was
         self._resumes = False
         self.effort = 0.0
 
     def hold(self, wanted: float | None) -> None:
         if wanted != self._wanted:
             self._wanted, self._sum, self.effort = wanted, 0.0, 0.0
-            self._errors.clear()
+            self.forget()
             if wanted is not None:
                 self._control(self._apart(wanted, self._value), 0.0)
 
@@ -73,6 +74,7 @@ class _Axis:
     def forget(self) -> None:
         """The error grows from here on."""
         self._errors.clear()
+        self._most.clear()
 
     def resume(self) -> None:
         """What grew until the next report, while it was neutral, was not held."""
@@ -102,15 +104,21 @@ class _Axis:
         self.effort = max(-g.most, min(g.most, swift + self._sum))
 
     def _grown(self, t: float, error: float) -> str:
-        errors = self._errors
+        """By the least error of the last second, from the greatest of a second before it: one wrong
+        reading is no growth, nor is the way back from one."""
+        errors, most = self._errors, self._most
         if self._resumes and errors:
             by = error - errors[-1][1]
             errors = self._errors = deque((at, kept + by) for at, kept in errors)
+            most = self._most = deque((at, kept + by) for at, kept in most)
         self._resumes = False
         errors.append((t, error))
-        while errors[0][0] < t - GROWS_S:
+        while errors[0][0] < t - LASTS_S:
             errors.popleft()
-        grown = error - min(e for _, e in errors)
+        most.append((t, max(e for _, e in errors)))
+        while most[0][0] < t - GROWS_S - LASTS_S:
+            most.popleft()
+        grown = min(e for _, e in errors) - min(e for _, e in most)
         if grown < GROWN[self.name]:
             return ""
         told = f"{math.degrees(grown):.0f} deg" if self._circular else f"{grown:.1f} m"

@@ -22,9 +22,11 @@ from mission.onboard.runtime.repeater import Repeater
 from mission.verification.campaign.board_laws import audit
 from mission.verification.campaign.draw import (
     INCIDENTS,
+    Plan,
     draw,
     profiles_of,
 )
+from mission.verification.campaign.faults import fly_plan
 from mission.verification.campaign.laws import IGNORED, LOST, SPURIOUS, Violation, violations
 from mission.verification.campaign.proofs import Claim
 from mission.verification.campaign.scene import repeated, say
@@ -317,3 +319,16 @@ def test_a_program_that_breaks_a_rule_is_noticed(
     mission, trace = flown("robot")
     flown.cache_clear()
     assert kind in {violation.kind for violation in judged("robot", trace, mission)}
+
+
+@pytest.mark.parametrize("name", ["coreboard", "rov", "mainboard"])
+def test_slow_sensors_and_a_wild_depth_now_and_then_end_no_mission_of_a_board(name: str) -> None:
+    """It says each of them 3 to 25 times, which is not to be agreed on."""
+    for number, subject in enumerate(known_on(name)):
+        lasting = FaultEvent("sensors_slow", 0.0, 1e6, 0.45), FaultEvent("depth_wild", 0.0, 1e6)
+        settings = Settings(body=body_of(name), faults=lasting)
+        plan = Plan(7, number, subject, "documented", number, settings, (), 0.0)
+        trace = fly_plan(plan, plan.vehicle)
+        triggers = [e.trigger for e in trace.events if isinstance(e, Step) and e.entered]
+        assert "start" in triggers
+        assert not [t for t in triggers if t == "limit" or t.endswith(":else")]
