@@ -4,20 +4,20 @@
     upside down, behind them:               D12 for 5 s, at most once a minute
 
 A way that makes the depth fall, from its turn's begin or, where it sank on, from the deepest since,
-is kept for as long as it does, over two turns of it and from its first on (waves swing as high in
-each), and said once more when it no longer does: the board may have lost it. One under which a
-vehicle that sank has just turned round has another turn. Behind a push the wrong way a vehicle
-sinks on before it rises, and letting go then has two turns. Full thrust has two when it comes round
-again: by a depth that comes 12 s late what one way lifts is seen in the turn of the next. Where no
-depth tells, it has one more each time it comes round, up to four: what is heavy sinks in the turns
-of the others. What sank when it was let go at the surface has the two, or the four, at once. An
-unknown depth counts as not falling. Where the attitude is doubtful too, any push may lead down:
-each time the vehicle is let go that lasts twice as long, up to 160 s, and then 10 s again, since
-what is heavy needs the pushes. A depth that was known in the turn of full thrust and is not at its
-end does not cut that short: it may follow late. It never gives up. Where it begins depends on what
-is known: with X0 and U12 where the depth is not believed or the vehicle sinks from rest (as built,
-W first goes on diving), by letting go where the vehicle is upside down. Whether the surface is
-reached is seen by the vehicle's state.
+is kept for as long as it does, over two turns of it and three (waves swing as high in each), and
+said once more when it no longer does: the board may have lost it. One under which a vehicle that
+sank has just turned round has another turn. Behind a push the wrong way a vehicle sinks on before
+it rises, and letting go then has two turns. Full thrust has two when it comes round again: by a
+depth that comes 12 s late what one way lifts is seen in the turn of the next. Where no depth tells,
+it has one more each time it comes round, up to four: what is heavy sinks in the turns of the
+others. What sank when it was let go at the surface has the two, or the four, at once. An unknown
+depth counts as not falling. Where the attitude is doubtful too, any push may lead down: each time
+the vehicle is let go that lasts twice as long, up to 160 s, and then 10 s again, since what is
+heavy needs the pushes. A depth that was known in the turn of full thrust and is not at its end does
+not cut that short: it may follow late. It never gives up. Where it begins depends on what is known:
+with X0 and U12 where the depth is not believed or the vehicle sinks from rest (as built, W first
+goes on diving), by letting go where the vehicle is upside down. Whether the surface is reached is
+seen by the vehicle's state.
 
 What does not live here: which ways a vehicle has (protocol.vehicles), the surface (vehicle_state).
 """
@@ -61,9 +61,9 @@ class Ascent:
             "_deepest",
             "_dark",
             "_downward",
-            "_first",
             "_heard",
             "_kept",
+            "_least",
             "_let_go",
             "_lifted_at",
             "_longest",
@@ -73,7 +73,6 @@ class Ascent:
             "_shallowest",
             "_since",
             "_start_depth",
-            "_turns",
             "_ways",
         ),
         *("_turn", "began", "push", "way", "why"),
@@ -98,8 +97,7 @@ class Ascent:
         self._kept = False  # the way in use has made the depth fall
         self._heard = False  # an operator has said W in its turn
         self._before: float | None = None  # the deepest of the turn before, that was of this way
-        self._first: float | None = None  # the shallowest of this way's first turn
-        self._turns = 0  # of this way, behind its first
+        self._least: tuple[float | None, ...] = ()  # the shallowest of each of its last turns
         self._begin_turn(now, depth)
         first = ways[0]
         if overturned:
@@ -197,10 +195,13 @@ class Ascent:
         return rises or (sank > DEEPER and fallen >= ROUND)
 
     def _gains(self) -> bool:
-        """Each of the way's turns is shallower than the one before, all in all: waves swing about
-        as high in every one of them."""
-        first, least = self._first, self._shallowest
-        return first is None or least is None or first - least >= FALL * self._turns
+        """The turn is shallower than the one before, and by twice as much than the one before that:
+        waves swing about as high in each."""
+        least = self._shallowest
+        return all(
+            then is None or least is None or then - least >= FALL * turns
+            for turns, then in enumerate(reversed(self._least), 1)
+        )
 
     def _pushes_on(self, overturned: bool) -> bool:
         """Nothing tells whether full thrust lifts it, and it has not had its turns."""
@@ -247,13 +248,12 @@ class Ascent:
 
     def _go_on(self, now: float, depth: float | None) -> None:
         """Another turn of the way in use."""
-        before, turns = self._deepest, self._turns + 1
-        first = self._shallowest if self._first is None else self._first
+        before, least = self._deepest, (*self._least[-1:], self._shallowest)
         self._begin_turn(now, depth)
-        self._before, self._first, self._turns = before, first, turns
+        self._before, self._least = before, least
 
     def _begin_turn(self, now: float, depth: float | None, turn: float | None = None) -> None:
-        self._before, self._first, self._turns, self._heard = None, None, 0, False
+        self._before, self._least, self._heard = None, (), False
         self._since = self._looked = now
         self._turn = TURN if turn is None else turn
         self._longest = self._turn + WORD

@@ -283,6 +283,19 @@ def test_waves_keep_no_way_for_long_under_which_it_stays_where_it_is(period: flo
         assert told <= 60.0
 
 
+@pytest.mark.parametrize("period", [4.0, 6.5, 8.0, 12.0])
+def test_nor_do_waves_at_which_it_has_come_to_a_stand(period: float):
+    """As flight 3512 of seed 9005: W brought it to 3 m, and what it had risen before counted on."""
+    for seed in range(100):
+        waves, ascent, told = Waves(0.75, period, seed), begun(20.0), 0.0
+        stands = 12.0 + seed % 20
+        while ascent.way is Order.SURFACE:
+            told += 2.0
+            depth = 3.0 + 0.3 * max(stands - told, 0.0)
+            ascent.act(told, depth + waves.at(told, 3.0).head, False)
+        assert told <= stands + 70.0
+
+
 def test_in_waves_what_rises_is_kept():
     for seed in range(100):
         waves, ascent, depth = Waves(1.0, 8.0, seed), begun(20.0), 20.0
