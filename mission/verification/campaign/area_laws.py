@@ -39,7 +39,7 @@ def _answers(story: Story, stay: Stay, fences: Sequence[Fence]) -> Iterator[Viol
     goes_on = not (stay.ascends or stay.state.endswith("/surface"))
     in_breach = in_doubt = 0
     surely = False
-    for told in story.told_in(stay.begin, stay.end):
+    for told in story.samples_in(stay.begin, stay.end):
         e, depth = told.estimate, story.depth(told.t)
         in_breach = in_breach + 1 if against(fences, (e.north, e.east), depth, _SPARE) else 0
         doubt = any(against(fences, point, depth, _SPARE) for point in _ring(e))

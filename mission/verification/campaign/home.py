@@ -34,7 +34,8 @@ from mission.verification.campaign.excuses import (
     unknown,
 )
 from mission.verification.campaign.trial import fault_ends
-from mission.verification.rig.trace import Trace
+from mission.verification.rig.acts import Act
+from mission.verification.rig.trace import Done, Trace
 
 AFLOAT = 0.5  # m (R7)
 HELD = 3.0  # m of a body that its thrusters hold up
@@ -120,13 +121,15 @@ def _may_turn(trial: Trace, settings: Settings) -> bool:
 
 
 def _sank(trial: Trace, waves: float) -> bool:
-    """In truth, or for what waves of so many metres say beside it, out of surfaced, and was brought
-    up by itself: fixes that ended tell it later, and
-    so does a receiver that an operator switches off."""
+    """In truth, or by what waves of so many metres say beside it, out of surfaced, and was brought
+    up by itself: fixes that ended tell it later, and so does a receiver that an operator switches
+    off, or whose line is pulled."""
     before, off, sank = "", -math.inf, False
     for event in trial.events:
         if isinstance(event, Tx) and event.data == RECEIVER_OFF:
             off = event.t
+        if isinstance(event, Done) and event.act is Act.UNPLUG and trial.mission.vehicle != "auv":
+            off = event.t  # what a board knows of its place comes by its own line
         if not (isinstance(event, Step) and event.entered):
             continue
         state = event.entered[-1]

@@ -20,7 +20,7 @@ from mission.verification.campaign.depth_laws import DEPTH_FAULTS
 from mission.verification.campaign.laws import Violation
 from mission.verification.campaign.limit_laws import ANSWER, SPARE, UNANSWERED, is_plain, sets_of
 from mission.verification.campaign.reports import Report
-from mission.verification.campaign.story import Stay, Story
+from mission.verification.campaign.story import Stay, Story, apart
 from protocol.messages import Setpoint
 
 _NEARER, _OFF, _STUCK = 0.5, 2.6, 136.0  # m, m, s: 0.5 m, 2 m and 120 s (R5)
@@ -119,7 +119,7 @@ def _heading_astray(story: Story, stay: Stay) -> Iterator[Violation]:
         wanted = math.degrees(heading)
         errors = [
             (r.t, abs(math.remainder(-r.yaw - wanted, 360.0)))
-            for r in story.reports
+            for r in apart(story.reports)
             if begin < r.t < end and abs(r.yaw) <= 180.0
         ]
         seen, (since, least), peak = 0, errors[0] if errors else (begin, 0.0), 0.0
@@ -189,7 +189,7 @@ def _uncertain(story: Story, stay: Stay) -> Iterator[Violation]:
     if stay.ascends or stay.state.endswith(("/surface", f"/{story.mission.on_uncertain}")):
         return
     certain, seen = False, 0
-    for told in story.told_in(stay.begin, stay.end):
+    for told in story.samples_in(stay.begin, stay.end):
         e, radius = told.estimate, _radius(story, told.t)
         far = math.hypot(e.north, e.east)
         a, b, d = e.covariance

@@ -76,7 +76,7 @@ def limit_laws(story: Story) -> Iterator[Violation]:
 def _by_report(story: Story, flight: list[Stay], limit: _Limit) -> Iterator[Violation]:
     seen = 0
     for stay in flight:
-        for told in story.told_in(stay.begin, stay.end):
+        for told in story.samples_in(stay.begin, stay.end):
             seen = seen + 1 if limit.passed(story, stay, told) else 0
             if seen <= limit.reports + SPARE or story.hindered(told.t - 10.0, told.t):
                 continue

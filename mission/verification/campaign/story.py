@@ -19,6 +19,7 @@ import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
+from typing import Protocol, TypeVar
 
 from links.simulated.settings import FaultEvent, Settings
 from mission.model import (
@@ -42,6 +43,7 @@ from mission.verification.rig.program import DEAD
 from mission.verification.rig.speech import MOTION, Speech
 from mission.verification.rig.trace import Done, Heard, Said, Told, Trace
 
+_BETWEEN = 0.9  # s
 SAME = 1e-3  # s
 TRACES = 30.0  # s for which a fault that is over may still be felt
 _LOOKS_WELL = ("stuck", "drifting", "late", "too_")
@@ -82,6 +84,23 @@ class Stay:
         if self.state == SURFACING or self.step is None:
             return self.state == SURFACING
         return self.autonomous and any(a.startswith(_ASCENDS) for a in self.step.actions)
+
+
+class _Timed(Protocol):
+    @property
+    def t(self) -> float: ...
+
+
+_T = TypeVar("_T", bound=_Timed)
+
+
+def apart(items: Iterable[_T]) -> Iterator[_T]:
+    """Those 0.9 s apart at least: a fast board says many times what its sensor said once."""
+    last = -math.inf
+    for item in items:
+        if item.t >= last + _BETWEEN:
+            last = item.t
+            yield item
 
 
 class Story:
@@ -187,6 +206,10 @@ class Story:
             bisect.bisect_left(self._told_at, end),
         )
         return self.told[low:high]
+
+    def samples_in(self, begin: float, end: float) -> Iterator[Told]:
+        """Of those the ones that limits count: 0.9 s apart at least (R5)."""
+        return apart(self.told_in(begin, end))
 
     def words_in(self, begin: float, end: float) -> Sequence[Tx]:
         """From ``begin`` to ``end``, both with it, but for what rounding moves."""
