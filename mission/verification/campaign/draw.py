@@ -47,6 +47,7 @@ OUT_OF_HAND = frozenset(
 WEIGHT = frozenset({"heavy", "light"})
 STAGED, BESIDE = 0.7, 0.4  # shares: of the flights, and of those with something else beside
 ROUGH, AMPLITUDE, WAVE_PERIOD = 0.5, (0.05, 0.75), (3.5, 12.0)  # share of the flights; m, s
+AIR = -0.2, 0.4  # m of depth, that the air makes of 980 to 1040 hPa
 UNEVEN = (0.0, 0.2, 0.4, 0.6)  # s that a report may come early or late
 SCENE_TIME, SCENE_FLOOR = 160.0, 30.0  # s that matter, m
 IDLE = ("temperature_", "magnetometer_", "battery_")  # nothing on this vehicle decides by them
@@ -111,10 +112,12 @@ class Plan:
     def in_words(self) -> str:
         sea = self.settings.sea
         speed, direction = sea.current
+        bias = self.settings.errors.depth_bias
         words = [
             f"{self.subject.path.stem} on {self.profile}",
             f"current {speed:.2f} m/s towards {math.degrees(direction):.0f} deg",
             f"floor {sea.floor:.0f} m",
+            *([f"depth_bias={bias:g}"] if bias is not None else []),
             *([f"waves={sea.waves[0]:g}@{sea.waves[1]:g}"] if sea.waves[0] else []),
             *([f"uneven={self.settings.uneven:g}"] if self.settings.uneven else []),
             *(setting_of(event) for event in self.settings.faults),
@@ -160,14 +163,16 @@ def draw_row(row: str, rng: Random, seed: int, number: int, subjects: Sequence[S
 
 
 def in_a_seaway(plan: Plan) -> Plan:
-    """No firmware reports every 2.000 s, and few seas are flat."""
+    """No firmware reports every 2.000 s, few seas are flat, and a depth that is the pressure less
+    10 dbar begins where the air's has it."""
     if plan.subject.vehicle != "auv":
         return plan
     rng = Random(f"seaway {plan.vehicle_seed}")
     uneven, rough = rng.choice(UNEVEN), rng.random() < ROUGH
     waves = (round(rng.uniform(*AMPLITUDE), 2), round(rng.uniform(*WAVE_PERIOD), 1))
     sea = replace(plan.settings.sea, waves=waves) if rough else plan.settings.sea
-    return replace(plan, settings=replace(plan.settings, sea=sea, uneven=uneven))
+    errors = replace(plan.settings.errors, depth_bias=round(rng.uniform(*AIR), 2))
+    return replace(plan, settings=replace(plan.settings, sea=sea, errors=errors, uneven=uneven))
 
 
 def _staged(
