@@ -32,6 +32,30 @@ _FASTEST = {"depth": 2.0, "heading": 1.6}  # m/s, rad/s
 _EFFORTS = {"depth": "heave", "heading": "turn"}
 
 
+class _Window:
+    """The least value of the last seconds; with ``sign`` -1 the greatest. Values that another one
+    has outdone since are forgotten, so that each is looked at once."""
+
+    def __init__(self, seconds: float, sign: float = 1.0) -> None:
+        self._seconds, self._sign = seconds, sign
+        self._kept: deque[tuple[float, float]] = deque()  # s; ever greater, times the sign
+
+    def take(self, t: float, value: float) -> float:
+        kept, signed = self._kept, self._sign * value
+        while kept and kept[-1][1] >= signed:
+            kept.pop()
+        kept.append((t, signed))
+        while kept[0][0] < t - self._seconds:
+            kept.popleft()
+        return self._sign * kept[0][1]
+
+    def shift(self, by: float) -> None:
+        self._kept = deque((t, signed + self._sign * by) for t, signed in self._kept)
+
+    def clear(self) -> None:
+        self._kept.clear()
+
+
 class _Axis:
     """One axis: an alpha-beta filter (Kalata 1984: beta = alpha^2 / (2 - alpha)) and a PID loop.
     ``heard``: when its reading was last reported."""
@@ -42,8 +66,9 @@ class _Axis:
         self._value = self._rate = self._sum = 0.0
         self._leaps = False  # the last reading was left out
         self._wanted: float | None = None
-        self._errors: deque[tuple[float, float]] = deque()  # s, and how far off; of a second
-        self._most: deque[tuple[float, float]] = deque()  # the same, of each second that was
+        self._error: float | None = None  # how far off it was last
+        self._least, self._most = _Window(LASTS_S), _Window(LASTS_S, -1.0)
+        self._from = _Window(GROWS_S + LASTS_S)  # of what was the most of a second
         self._resumes = False
         self.effort = 0.0
 
@@ -73,8 +98,9 @@ class _Axis:
 
     def forget(self) -> None:
         """The error grows from here on."""
-        self._errors.clear()
-        self._most.clear()
+        self._error = None
+        for window in (self._least, self._most, self._from):
+            window.clear()
 
     def resume(self) -> None:
         """What grew until the next report, while it was neutral, was not held."""
@@ -106,19 +132,11 @@ class _Axis:
     def _grown(self, t: float, error: float) -> str:
         """By the least error of the last second, from the greatest of a second before it: one wrong
         reading is no growth, nor is the way back from one."""
-        errors, most = self._errors, self._most
-        if self._resumes and errors:
-            by = error - errors[-1][1]
-            errors = self._errors = deque((at, kept + by) for at, kept in errors)
-            most = self._most = deque((at, kept + by) for at, kept in most)
-        self._resumes = False
-        errors.append((t, error))
-        while errors[0][0] < t - LASTS_S:
-            errors.popleft()
-        most.append((t, max(e for _, e in errors)))
-        while most[0][0] < t - GROWS_S - LASTS_S:
-            most.popleft()
-        grown = min(e for _, e in errors) - min(e for _, e in most)
+        if self._resumes and self._error is not None:
+            for window in (self._least, self._most, self._from):
+                window.shift(error - self._error)
+        self._resumes, self._error = False, error
+        grown = self._least.take(t, error) - self._from.take(t, self._most.take(t, error))
         if grown < GROWN[self.name]:
             return ""
         told = f"{math.degrees(grown):.0f} deg" if self._circular else f"{grown:.1f} m"
