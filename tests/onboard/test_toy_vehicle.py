@@ -109,7 +109,7 @@ class SledBoard(WaterBoard):
         return level_pwm(surge + turn, surge - turn, -down, (NEUTRAL_PWM, NEUTRAL_PWM))
 
     def report(self, plant: Plant, place: Place, now: float) -> bytes:
-        _, _, yaw, depth = self._pose(plant)
+        _, _, yaw, depth = self._pose(plant, now)
         tenths = round(yaw % 360.0 * 10) % 3600
         body = b"<S" + max(0, round(depth * 100)).to_bytes(2, "little")
         body += tenths.to_bytes(2, "little")
