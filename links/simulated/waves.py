@@ -6,6 +6,9 @@ k = w^2 / g, changes the pressure head by ``a exp(-kz) cos``, leans what floats 
 ``ak exp(-kz) sin``, and turns a compass, which takes the acceleration for a part of gravity, by the
 slope times the tangent of the field's dip.
 
+A hull that floats is much shorter than these waves, and goes up and down with them: half of the
+swing is left of the pressure. Below it is taken to stand still, which is the most that it can feel.
+
 What does not live here: the motion of the vehicle itself, which is that of still water.
 """
 
@@ -16,6 +19,7 @@ from random import Random
 from typing import NamedTuple
 
 GRAVITY = 9.81  # m/s^2
+AFLOAT = 0.5  # m: deeper, it does not float
 _APART = 1.15  # of the two periods: six or seven waves make a group
 
 
@@ -38,8 +42,9 @@ class Waves:
 
     def at(self, t: float, depth: float) -> Felt:
         head = slope = 0.0
+        share = 0.5 if depth < AFLOAT else 1.0
         for w, k, phase in self._both:
             here = self._amplitude * exp(-k * max(depth, 0.0))
             head += here * cos(w * t + phase)
             slope += here * k * sin(w * t + phase)
-        return Felt(head, slope * self._across, slope * self._along)
+        return Felt(share * head, slope * self._across, slope * self._along)

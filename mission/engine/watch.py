@@ -23,7 +23,7 @@ from mission.model import Outcome, Result
 from mission.model.copies import copied
 from mission.model.units import GEARS
 from mission.model.vehicle import CLOSED, CLOSED_S, Vehicle
-from mission.navigation.fixes import RECENT
+from mission.navigation.fixes import FIX_DEPTH, RECENT
 from mission.navigation.health import doubted
 from protocol.messages import Fix, Setpoint, Telemetry
 
@@ -315,8 +315,8 @@ class Watch:
         ahead = self.vehicle.speed_by_gear.at(GEARS * self.sent.surge)
         if ahead < _UNDER_WAY or fix.speed < _UNDER_WAY:
             return False
-        if depth >= SURFACE_DEPTH:
-            return None  # a fix says otherwise: waves
+        if depth >= FIX_DEPTH:
+            return None  # the fix says otherwise: a wave
         return abs(wrap(fix.course - e.heading)) > _APART
 
     def turning(self, since: float) -> bool:

@@ -453,8 +453,8 @@ def at_the_surface(**changes: Any) -> LimitMonitor:
         ({"speed": 0.4}, True),
         ({"speed": 0.399}, False),
         ({"surge": 0.0}, False),
-        ({"depth": 0.5}, None),  # or a wave has lifted the surface above it
-        ({"depth": 0.499}, True),
+        ({"depth": 0.8}, None),  # or a wave has lifted the surface above it
+        ({"depth": 0.799}, True),
         ({"depth": None}, None),
         ({"doubt": "heading"}, None),
     ],

@@ -6,7 +6,8 @@ looked at. The rules, in the order of the events:
     @ZA...   belongs to the command of the newest Step that has one: each of its frames at most
              three times (R1). A newer set leaves the frame before it only its tries, a newer
              order or the stick nothing (R6, R7). None while the stick is held.
-    @M @D @R was said by an operator within the last ``RELAYED`` s, each byte for byte and once;
+    @M @D @R was said by an operator within the last ``RELAYED`` s, and ``UNHEARD`` s for each of
+             those that waited before it, which may not be answered; each byte for byte and once;
              @M only while the stick has the vehicle.
     a Step   that commands must be allowed to where it happens: a set only in a leg; the stop of
              ``stopped`` needs an X, surfacing a W, a limit, a restart, an ordered end or a
@@ -147,7 +148,6 @@ class _Auditor:
         self._acks = 0  # of a stop, since the newest reason to stop
         self._sent_at: deque[float] = deque(maxlen=2)  # the newest frames to the vehicle
         self._stalled: float | None = None
-        self._heard_at = -math.inf  # the vehicle
         self._ends = False  # the program was told to
         self._holds = False  # in surfaced, which an ascent has ended without a stop
 
@@ -157,7 +157,6 @@ class _Auditor:
                 case Said():
                     self._said(event)
                 case Heard():
-                    self._heard_at = event.t
                     if not self._may_be_of_two(event.t):
                         self._acks += len(_STOPPED_ACK.findall(event.data))
                     if _turns(event.data):
@@ -335,8 +334,7 @@ class _Auditor:
 
     def _relayed(self, tx: Tx) -> Iterator[Spurious]:
         said = self._relays.get(tx.data, deque())
-        pace = UNHEARD if tx.t - self._heard_at > UNHEARD else 0.0
-        while said and tx.t - said[0][0] > RELAYED + pace * min(said[0][2], MOST):
+        while said and tx.t - said[0][0] > RELAYED + UNHEARD * min(said[0][2], MOST):
             said.popleft()
         if not said:
             yield Spurious(tx.t, f"{tx.data!r} in {self._state}: no operator said it ({tx.reason})")

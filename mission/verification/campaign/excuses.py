@@ -248,6 +248,11 @@ def auto_closed(events: Sequence[Event]) -> Iterator[tuple[float, float]]:
         yield since, math.inf
 
 
+def beside(settings: Settings) -> float:
+    """m by which a depth that is sound may be off the truth: waves, and the air's pressure."""
+    return settings.sea.waves[0] + abs(settings.errors.depth_bias or 0.0)
+
+
 def afloat_by_fixes(settings: Settings, events: Sequence[Event]) -> bool:
     """A program ended while AUTO was closed and a receiver said places, in truth under water: what
     sank meanwhile may as well be on deck, and a restart turns nothing (R7)."""

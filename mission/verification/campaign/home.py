@@ -22,6 +22,7 @@ from mission.verification.campaign.excuses import (
     SLIGHT,
     SPARE,
     afloat_by_fixes,
+    beside,
     blind_from_its_begin,
     dives_unseen,
     doubted_at_rest,
@@ -117,11 +118,11 @@ def _may_turn(trial: Trace, settings: Settings) -> bool:
     if obeys_no_stop(settings, trial.events) or dives_unseen(settings, trial.truth.t):
         return True
     said = any(f.name.startswith(("depth_", "gps_")) for f in settings.faults)
-    return trial.state == SURFACED and (said or _sank(trial, settings.sea.waves[0]))
+    return trial.state == SURFACED and (said or _sank(trial, beside(settings)))
 
 
-def _sank(trial: Trace, waves: float) -> bool:
-    """In truth, or by what waves of so many metres say beside it, out of surfaced, and was brought
+def _sank(trial: Trace, more: float) -> bool:
+    """In truth, or by a depth that may say so many metres more, out of surfaced, and was brought
     up by itself: fixes that ended tell it later, and so does a receiver that an operator switches
     off, or whose line is pulled."""
     before, off, sank = "", -math.inf, False
@@ -137,7 +138,7 @@ def _sank(trial: Trace, waves: float) -> bool:
         second = min(int(event.t), len(trial.track) - 1)
         seen = trial.track[max(second - TOLD, 0) : second + 1]
         deep, under = (
-            any(p.depth + waves > SANK for p in seen),
+            any(p.depth + more > SANK for p in seen),
             all(p.depth > UNDER for p in seen[-ENDED:]),
         )
         sank = sank or (again and (deep or under or event.t - off < UNSEEN))

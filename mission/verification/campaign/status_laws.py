@@ -11,7 +11,7 @@ from collections.abc import Iterator
 
 from mission.model import SURFACED, SURFACING, Tx
 from mission.verification.campaign.depth_laws import DEPTH_FAULTS
-from mission.verification.campaign.excuses import SLIGHT, lift
+from mission.verification.campaign.excuses import SLIGHT, beside, lift
 from mission.verification.campaign.laws import Violation
 from mission.verification.campaign.story import SAME, Stay, Story
 from mission.verification.campaign.surface_laws import REPEATING, UNLAWFUL
@@ -43,7 +43,7 @@ def _is_told_up(story: Story, t: float) -> Iterator[Violation]:
     late = story.hindered(t - _SILENT, t) or not story.told_in(t - _SEEN, t)
     seen = math.ceil(_SILENT) + 1 if late else _SEEN
     shallowest = min(story.depth(t - i) for i in range(seen))
-    up = _UP + story.settings.sea.waves[0]
+    up = _UP + beside(story.settings)
     if state != SURFACED and shallowest > up and not _is_doubted(story, t):
         says = f"told to be at the surface {story.depth(t):.1f} m deep, in {state}"
         yield Violation(UNLAWFUL, t, says)

@@ -20,7 +20,7 @@ from mission.model import STOPPED, SURFACED, SURFACING, By
 from mission.model.regions import EMERGENCY, MANUAL
 from mission.model.vehicle import STALE_AFTER
 from mission.verification.campaign.depth_laws import DEPTH_FAULTS
-from mission.verification.campaign.excuses import NEVER_BELIEVED, SLIGHT, WANDERING, lift
+from mission.verification.campaign.excuses import NEVER_BELIEVED, SLIGHT, WANDERING, beside, lift
 from mission.verification.campaign.laws import Violation
 from mission.verification.campaign.story import AGAIN, SAME, Stay, Story
 
@@ -86,7 +86,7 @@ def _is_at_surface(story: Story, stay: Stay) -> Iterator[Violation]:
     unknown = in_vain or not story.told_in(t - 6.0, t) or story.faulty(DEPTH_FAULTS, t - 20.0, t)
     wanders = story.faulty(WANDERING, t - 20.0, t)
     repeats = story.faulty(REPEATING, t - 20.0, t) and story.hindered(t - _NEW, t)
-    if (wanders or repeats) and story.depth(t) < _NEARLY:
+    if (wanders or repeats) and story.depth(t) < _NEARLY + beside(story.settings):
         return  # nothing contradicts fixes as at the surface
     if wanders and unknown and _may_be_up(story, stay):
         return

@@ -10,6 +10,7 @@ What does not live here: the laws (audit of boards, depth_laws, word_laws), the 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import Any
 
@@ -36,6 +37,7 @@ MOTION: Mapping[str, tuple[str, tuple[str, ...]]] = {
     "robot": ("robot.down", ("command", "speed_mm_s")),
     "mainboard": ("coreboard.can", ("fx_g", "fy_g", "fz_g", "mx_nm", "my_nm", "mz_nm")),
 }
+_ROUND = frozenset({"heading_deg"})  # 180 and -180 are the same
 _NEAR, _NEAR_G = 0.1, 10.0  # deg, m, shares, N m; gram-force: a Step rounds what it says
 
 
@@ -96,4 +98,8 @@ def same(asked: list[Motion], said: Motion) -> bool:
 
 
 def _near(a: Motion, b: Motion) -> bool:
-    return all(abs(a[n] - b[n]) <= (_NEAR_G if n.endswith("_g") else _NEAR) for n in a)
+    return all(abs(_off(n, a, b)) <= (_NEAR_G if n.endswith("_g") else _NEAR) for n in a)
+
+
+def _off(name: str, a: Motion, b: Motion) -> float:
+    return math.remainder(a[name] - b[name], 360.0) if name in _ROUND else a[name] - b[name]
