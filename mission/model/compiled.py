@@ -82,6 +82,7 @@ MODULES = (
     "mission.verification.campaign.excuses",
     "mission.verification.campaign.laws",
     "mission.verification.campaign.leg_laws",
+    "mission.verification.campaign.permits",
     "mission.verification.campaign.reports",
     "mission.verification.campaign.story",
     "mission.verification.campaign.trial",

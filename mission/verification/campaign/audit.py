@@ -43,6 +43,7 @@ from mission.model import (
 )
 from mission.onboard.runtime.command_target import MODEM, Peer
 from mission.onboard.runtime.runtime import VEHICLE
+from mission.verification.campaign.permits import STALE, Permit
 from mission.verification.campaign.reports import decoded
 from mission.verification.rig.acts import Act
 from mission.verification.rig.trace import Done, Event, Heard, Said
@@ -60,7 +61,6 @@ _STOPS = (
 )  # acknowledged anew in each
 TRIES = 3  # R1
 ANSWER = 0.3  # s after which a frame is answered no more (R1)
-STALE = 1.5  # s after which no try of an older set may be left
 UNHEARD, MOST = 2.0, 32  # s from one relay to the next without an answer (R7); that may wait
 RELAYED = 10.0  # s: 32 relays of 60 ms, behind 0.9 s of tries, and a modem's idle time
 HEARD = 2.0  # s from bytes to the Step they lead to: an unfinished frame before them (G3), modem
@@ -85,23 +85,6 @@ _ANGLES = ("heading", "pitch", "roll")
 class Spurious:
     t: float
     says: str
-
-
-@dataclass(slots=True)
-class _Permit:
-    frame: bytes
-    order: bool
-    since: float
-    lifts: bool = False  # an ascent's U12 is said again (R7)
-    tries: int = 0
-    begun: bool = False  # it has left, or it was an older one that looks the same
-    ends: float = math.inf
-
-    def sent(self, t: float) -> None:
-        """What left at the instant when it was replaced has its tries still before it."""
-        if not self.tries and self.ends < math.inf and not self.order:
-            self.ends = t + STALE
-        self.tries += 1
 
 
 def command_of(words: str) -> Setpoint | Order:
@@ -137,7 +120,7 @@ class _Auditor:
     def __init__(self, dialect: str) -> None:
         self._encode = AuvCodec(dialect).encode
         self._state = ""
-        self._permits: list[_Permit] = []
+        self._permits: list[Permit] = []
         self._relays: dict[bytes, deque[_Said]] = {}  # what was said, oldest first
         self._sticks: dict[Peer, float] = {}  # the last M of each
         self._holder: Peer | None = None  # whose M the vehicle follows
@@ -148,6 +131,7 @@ class _Auditor:
         self._acks = 0  # of a stop, since the newest reason to stop
         self._sent_at: deque[float] = deque(maxlen=2)  # the newest frames to the vehicle
         self._stalled: float | None = None
+        self._answered_at = self._mute_at = -math.inf  # an answer; a relay behind one without
         self._ends = False  # the program was told to
         self._holds = False  # in surfaced, which an ascent has ended without a stop
 
@@ -157,6 +141,8 @@ class _Auditor:
                 case Said():
                     self._said(event)
                 case Heard():
+                    if not event.data.startswith(b"@SD"):
+                        self._answered_at = event.t
                     if not self._may_be_of_two(event.t):
                         self._acks += len(_STOPPED_ACK.findall(event.data))
                     if _turns(event.data):
@@ -303,7 +289,7 @@ class _Auditor:
                 permit.ends = min(permit.ends, ended)
         self._permits = [p for p in self._permits if p.ends > t]
         for frame in self._encode(command):
-            self._permits.append(_Permit(frame, order, t, command == UPWARD and b"U" in frame))
+            self._permits.append(Permit(frame, order, t, command == UPWARD and b"U" in frame))
 
     # --- sent ----------------------------------------------------------------------------------
 
@@ -332,9 +318,14 @@ class _Auditor:
         if self._state == MANUAL_DRIVING and not self._ends:
             yield Spurious(tx.t, f"{tx.data!r} while the stick is held ({tx.reason})")
 
+    def _waits(self, since: float, _: Peer, ahead: int) -> float:
+        return UNHEARD * min(ahead, MOST) if self._mute_at >= since else 0.0
+
     def _relayed(self, tx: Tx) -> Iterator[Spurious]:
         said = self._relays.get(tx.data, deque())
-        while said and tx.t - said[0][0] > RELAYED + UNHEARD * min(said[0][2], MOST):
+        if tx.t - self._answered_at > UNHEARD - 0.1:
+            self._mute_at = tx.t
+        while said and tx.t - said[0][0] > RELAYED + self._waits(*said[0]):
             said.popleft()
         if not said:
             yield Spurious(tx.t, f"{tx.data!r} in {self._state}: no operator said it ({tx.reason})")

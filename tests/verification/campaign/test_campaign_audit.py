@@ -148,6 +148,7 @@ def test_relays_to_a_board_that_says_nothing_leave_2_s_apart() -> None:
     answers = [Heard(12.9 + 2.0 * i, b"@ACK_DY$") for i in range(4)]
     told = [event for pair in zip(answers, late, strict=True) for event in pair]
     assert spurious(*asked, *told) == 3
+    assert spurious(*asked, *late[:2], answers[2], *late[2:]) == 0  # one alone is answered
     assert spurious(asked[0], sent(16.0, words[0])) == 1
 
 
