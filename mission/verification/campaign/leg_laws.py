@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
-from itertools import groupby
+from itertools import compress, groupby
 
 from mission.verification.campaign.depth_laws import DEPTH_FAULTS
 from mission.verification.campaign.laws import Violation
@@ -119,7 +119,7 @@ def _heading_astray(story: Story, stay: Stay) -> Iterator[Violation]:
         wanted = math.degrees(heading)
         errors = [
             (r.t, abs(math.remainder(-r.yaw - wanted, 360.0)))
-            for r in apart(story.reports)
+            for r in compress(story.reports, apart(r.t for r in story.reports))
             if begin < r.t < end and abs(r.yaw) <= 180.0
         ]
         seen, (since, least), peak = 0, errors[0] if errors else (begin, 0.0), 0.0

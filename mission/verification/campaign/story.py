@@ -18,8 +18,7 @@ import math
 import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from itertools import pairwise
-from typing import Protocol, TypeVar
+from itertools import compress, pairwise
 
 from links.simulated.settings import FaultEvent, Settings
 from mission.model import (
@@ -86,21 +85,14 @@ class Stay:
         return self.autonomous and any(a.startswith(_ASCENDS) for a in self.step.actions)
 
 
-class _Timed(Protocol):
-    @property
-    def t(self) -> float: ...
-
-
-_T = TypeVar("_T", bound=_Timed)
-
-
-def apart(items: Iterable[_T]) -> Iterator[_T]:
-    """Those 0.9 s apart at least: a fast board says many times what its sensor said once."""
+def apart(times: Iterable[float]) -> Iterator[bool]:
+    """Of each, s, whether it is 0.9 s behind the last one of which it is so: a fast board says many
+    times what its sensor said once (R5)."""
     last = -math.inf
-    for item in items:
-        if item.t >= last + _BETWEEN:
-            last = item.t
-            yield item
+    for t in times:
+        is_next = t >= last + _BETWEEN
+        last = t if is_next else last
+        yield is_next
 
 
 class Story:
@@ -209,7 +201,8 @@ class Story:
 
     def samples_in(self, begin: float, end: float) -> Iterator[Told]:
         """Of those the ones that limits count: 0.9 s apart at least (R5)."""
-        return apart(self.told_in(begin, end))
+        told = self.told_in(begin, end)
+        return compress(told, apart(each.t for each in told))
 
     def words_in(self, begin: float, end: float) -> Sequence[Tx]:
         """From ``begin`` to ``end``, both with it, but for what rounding moves."""
