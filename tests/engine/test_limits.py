@@ -103,6 +103,7 @@ def test_every_limit_waits_for_its_whole_persistence(row, monkeypatch):
     assert look(True)
 
 
+@pytest.mark.replaces
 def test_samples_count_by_the_clock_where_no_report_comes_between(monkeypatch):
     """Fixes alone may say where it is."""
     row = LIMITS["uncertain"]
