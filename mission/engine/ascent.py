@@ -189,8 +189,7 @@ class Ascent:
         rises = fallen >= FALL + (0.0 if sank > SANK else sank)
         if self._before is not None and self._before - (deepest - fallen) < 2.0 * FALL:
             rises = False  # noise alone makes one turn's rise now and then, but not two turns'
-        if not self._gains():
-            rises = False
+        rises = rises and self._gains()
         self._kept = self._kept or rises
         return rises or (sank > DEEPER and fallen >= ROUND)
 

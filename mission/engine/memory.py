@@ -21,9 +21,9 @@ from mission.engine.readings import Scope
 from mission.engine.variables import Variable, row_of, value_of
 from mission.model import Back, Chart, Trend, terms
 from mission.model.copies import copied
+from mission.model.vehicle import SAMPLED
 
 PARTS = 32  # of a window; what is remembered reaches no farther than the window, and 1/32 less
-_BETWEEN = 0.9  # s between two: a fast board says many times what its sensor said once
 
 _Pair = tuple[float, float]
 
@@ -139,7 +139,7 @@ class Memory:
     def take(self, scope: Scope) -> None:
         """Remembers a report, once; of a fast board one a second."""
         report = scope.telemetry
-        if report is None or report.t < self._taken + _BETWEEN:
+        if report is None or report.t < self._taken + SAMPLED:
             return
         self._taken = report.t
         known = {name: value_of(row, scope) for name, row in self._rows.items()}

@@ -12,9 +12,7 @@ from mission.engine.lasting import Lasting
 from mission.engine.limits import LIMITS, Limit, On, never
 from mission.engine.vehicle_state import VehicleState
 from mission.engine.watch import Watch
-from mission.model.vehicle import STALE_AFTER, Vehicle
-
-_BETWEEN = 0.9  # s between two samples
+from mission.model.vehicle import SAMPLED, STALE_AFTER, Vehicle
 
 
 class LimitMonitor(Watch):
@@ -102,7 +100,7 @@ class LimitMonitor(Watch):
         """Notes a sample; whether it is another than the one before, where it takes several: what
         one reading was off by, a fast board says many times."""
         now = self.vehicle_state.now
-        is_next = row.samples == 1 or now >= self._sampled.get(row.name, -math.inf) + _BETWEEN
+        is_next = row.samples == 1 or now >= self._sampled.get(row.name, -math.inf) + SAMPLED
         if is_next:
             self._sampled[row.name] = now
         return is_next

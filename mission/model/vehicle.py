@@ -31,6 +31,7 @@ REPORTS = frozenset(
         "position",
     }
 )
+SAMPLED = 0.9  # s between two samples at least: a fast board says many times what its sensor said
 STALE_AFTER = 6.0  # s: three reports missed (design: readings are three-valued)
 FOLLOWS = frozenset({"surge", "turn", "heave", "heading", "depth", "altitude", "attitude"})
 

@@ -20,7 +20,7 @@ from collections import deque
 from dataclasses import replace
 
 from mission.model.vehicle import CLOSED_S, AxisLoop, OuterLoop
-from mission.navigation.health import doubted
+from mission.navigation.health import CHANNELS, doubted
 from protocol.messages import Order, Setpoint, Telemetry
 
 GROWS_S, LASTS_S = 5.0, 1.0
@@ -28,7 +28,6 @@ GROWN = {"depth": 0.5, "heading": math.radians(30.0)}  # m, rad
 _SMOOTH_S = 0.3  # time constant of the filter
 _GAP_S = 1.0  # a longer one begins the filter anew
 _LEAP = {"depth": 1.0, "heading": math.radians(30.0)}  # m, rad beyond what it can have moved by
-_FASTEST = {"depth": 2.0, "heading": 1.6}  # m/s, rad/s
 _EFFORTS = {"depth": "heave", "heading": "turn"}
 
 
@@ -109,7 +108,7 @@ class _Axis:
     def _leapt(self, dt: float, value: float) -> bool:
         """Whether it is to be left out."""
         off = abs(self._apart(value, self._value + self._rate * dt))
-        return dt <= _GAP_S and off > _LEAP[self.name] + _FASTEST[self.name] * dt
+        return dt <= _GAP_S and off > _LEAP[self.name] + CHANNELS[self.name].rate * dt
 
     def _filter(self, dt: float, value: float) -> None:
         if dt > _GAP_S:
