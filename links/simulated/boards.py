@@ -30,6 +30,7 @@ from links.simulated.link import HOME, Truth
 from links.simulated.plant import STEP, TICK_STEPS, Plant
 from links.simulated.schedule import InForce, edges
 from links.simulated.settings import Settings
+from links.simulated.waves import Waves
 from protocol.tolerances import Tolerances
 from protocol.vehicles import vehicle_row
 from protocol.vehicles.keys import read_wire
@@ -131,6 +132,9 @@ class SimulatedBoard:
         if isinstance(self.board, WaterBoard):
             speed, direction = chosen.sea.current
             body = replace(chosen.pushed(self.board.body), buoyancy=chosen.body.buoyancy)
+            self.board.air = chosen.errors.depth_bias or 0.0
+            if chosen.sea.waves[0]:
+                self.board.waves = Waves(*chosen.sea.waves, seed)
             self.plant = Plant(body, floor=chosen.sea.floor_under(position))
             self.plant.yaw = heading
             self.plant.current_north = speed * cos(direction)

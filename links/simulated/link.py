@@ -202,12 +202,13 @@ class SimulatedVehicle:
         place, velocity = self.place(), plant.ground_velocity()
         self._anchor = (*place, plant.north, plant.east)
         plant.floor = self.sea.floor_under(place)
-        self.gps.powered = self.stm32.power[2]
         self.track.append(self._truth(now, place, velocity))
-        self.gps.report(now, plant.depth, place, velocity)
-        if self.second_gps is not None:
-            self.second_gps.powered = self.gps.powered
-            self.second_gps.report(now, plant.depth, place, velocity)
+        felt = self.sensors.felt(plant, now)
+        velocity = velocity[0] + felt.north, velocity[1] + felt.east
+        for receiver in (self.gps, self.second_gps):
+            if receiver is not None:
+                receiver.powered = self.stm32.power[2]
+                receiver.report(now, plant.depth + felt.head, place, velocity)
         if self.added is not None:
             self.added.report(now, plant, place)
 

@@ -24,7 +24,7 @@ from math import cos, exp, log, nan, pi, radians, remainder, sin, sqrt
 from random import Random
 
 from links.simulated.plant import Plant
-from links.simulated.waves import Felt, Waves
+from links.simulated.waves import STILL, Felt, Waves
 from links.simulated.wrong import Wrong
 
 PERIOD = 2.0  # s between samples, that of @SD
@@ -85,6 +85,8 @@ class SensorErrors:
     warm_layer: tuple[float, float] = (0.0, 0.0)  # deg C warmer in the middle of it, m
     magnetic_noise: float = 0.1e-6  # T
     fix_noise: float = 2.5  # m per axis
+    fix_wander: float = 0.0  # m per axis, which stay for 100 s
+    fix_settle: float = 0.0  # m per axis, of the first fix behind a dive; a third of it 5 s later
     speed_noise: float = 0.05  # m/s per axis, of the GPS
     first_fix: float = 3.0  # s at the surface after power-on
     fix_again: tuple[float, float] = (3.0, 8.0)  # s after surfacing, drawn between
@@ -164,6 +166,10 @@ class Sensors:
         known = Sensor.DEPTH not in self.health and 4 not in self.wrong
         return self._as_bent(4, depth) if known else self.last[4]
 
+    def felt(self, plant: Plant, now: float) -> Felt:
+        """Of the waves, where it is."""
+        return STILL if self.waves is None else self.waves.at(now, plant.depth)
+
     def altitude(self, plant: Plant) -> float:
         if not self._echo or 5 in self.wrong or (self.health and Sensor.ALTITUDE in self.health):
             return self.last[5]
@@ -201,7 +207,7 @@ class Sensors:
             *self._batteries(plant),
         ]
         if self.waves is not None:
-            self._rock(values, self.waves.at(now, plant.depth))
+            self._rock(values, self.felt(plant, now))
         for slot in self.bent:
             values[slot] = self._as_bent(slot, values[slot])
         for slot, wrong in self.wrong.items():

@@ -206,7 +206,7 @@ SETTINGS: dict[str, Setting] = {
     "deep_current": Setting(
         "SPEED@DIRECTION", "the current at the floor", _sea("deep_current", _current)
     ),
-    "waves": Setting("M@S", "amplitude and period; only the AUV feels them", _sea("waves", _waves)),
+    "waves": Setting("M@S", "amplitude and period; a robot feels none", _sea("waves", _waves)),
     "floor": Setting("DEPTH", "m", _sea("floor", lambda text: _number(text, 1.0, 11000.0))),
     "declination": Setting("DEG", "east positive", _errors("declination", _DEG, -180.0, 180.0)),
     "compass_bias": Setting("DEG", "", _errors("compass_bias", _DEG, -180.0, 180.0)),
@@ -220,6 +220,8 @@ SETTINGS: dict[str, Setting] = {
     "thermocline": Setting("DEG@DEPTH", "C colder below that depth (m)", _layer("thermocline")),
     "warm_layer": Setting("DEG@DEPTH", "C warmer at that depth (m)", _layer("warm_layer")),
     "fix_noise": Setting("M", "one sigma per axis", _errors("fix_noise", 1.0)),
+    "fix_wander": Setting("M", "the same, of what stays for 100 s", _errors("fix_wander", 1.0)),
+    "fix_settle": Setting("M", "the same, of the first behind a dive", _errors("fix_settle", 1.0)),
     "speed_log": Setting("M/S", "sigma; an added speed log", _fitted("speed_log")),
     "doppler": Setting("M/S", "sigma; an added Doppler log", _fitted("doppler")),
     "acoustic": Setting("M", "sigma; an added acoustic position, every 5 s", _fitted("acoustic")),

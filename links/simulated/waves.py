@@ -4,7 +4,8 @@ Linear theory (Dean and Dalrymple, Water Wave Mechanics, 1991, chapters 3 and 4)
 period, so that they come in groups. At the depth z a wave of the amplitude a and the frequency w,
 k = w^2 / g, changes the pressure head by ``a exp(-kz) cos``, leans what floats in it by its slope
 ``ak exp(-kz) sin``, and turns a compass, which takes the acceleration for a part of gravity, by the
-slope times the tangent of the field's dip.
+slope times the tangent of the field's dip. The water goes to and fro with ``aw exp(-kz) cos``, the
+way that the crests run, and what floats goes with it: a receiver says so.
 
 A hull that floats is much shorter than these waves, and goes up and down with them: half of the
 swing is left of the pressure. Below it is taken to stand still, which is the most that it can feel.
@@ -27,6 +28,11 @@ class Felt(NamedTuple):
     head: float = 0.0  # m
     roll: float = 0.0  # rad
     pitch: float = 0.0  # rad
+    north: float = 0.0  # m/s, of the water
+    east: float = 0.0
+
+
+STILL = Felt()
 
 
 class Waves:
@@ -36,15 +42,19 @@ class Waves:
         rng = Random(f"waves {seed}")  # of their own: without waves nothing else is different
         abeam = rng.uniform(0.0, 2.0 * pi)
         self._across, self._along = sin(abeam), cos(abeam)
+        self._set = Random(f"crests {seed}").uniform(0.0, 2.0 * pi)  # they run that way, rad
         self._amplitude = amplitude / 2.0
         frequencies = 2.0 * pi / period, 2.0 * pi / (_APART * period)
         self._both = tuple((w, w * w / GRAVITY, rng.uniform(0.0, 2.0 * pi)) for w in frequencies)
 
     def at(self, t: float, depth: float) -> Felt:
-        head = slope = 0.0
+        head = slope = flow = 0.0
         share = 0.5 if depth < AFLOAT else 1.0
         for w, k, phase in self._both:
             here = self._amplitude * exp(-k * max(depth, 0.0))
-            head += here * cos(w * t + phase)
+            up = here * cos(w * t + phase)
+            head += up
+            flow += up * w
             slope += here * k * sin(w * t + phase)
-        return Felt(share * head, slope * self._across, slope * self._along)
+        lean = slope * self._across, slope * self._along
+        return Felt(share * head, *lean, flow * cos(self._set), flow * sin(self._set))

@@ -242,10 +242,11 @@ class Watch:
         self.vehicle_state.command = self.vehicle_state.word = setpoint
 
     def count(self, outcome: Outcome) -> None:
-        """Of the set in force each word counts by itself, too: another's answer is none to it."""
+        """Of the legs' sets each word counts by itself, too: another's answer is none to it. So it
+        does of one that a newer set has replaced meanwhile: what steers has one each second."""
         lost, word = outcome.result is Result.LOST, outcome.frame[:4]
         self.lost = self.lost + 1 if lost else 0
-        if self.sent is not None and outcome.command == self.sent:
+        if isinstance(outcome.command, Setpoint):
             before, at = self.lost_words.get(word, (0, -math.inf))
             now = self.vehicle_state.now
             times = before if now - at <= _LOST_WITHIN else 0

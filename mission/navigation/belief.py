@@ -233,7 +233,8 @@ class DepthBelief:
         self._lifted += (self._way < 0) * (t - self._samples[-2].t)
         lasts = t - self._afloat[0] >= _OFFSET_TIME
         stands = abs(moved) < STANDS or self._lifted >= _LIFTED
-        return lasts and abs(depth) >= FIX_DEPTH and stands
+        off = min(abs(depth), abs(depth - moved)) >= FIX_DEPTH  # in both halves, or noise says so
+        return lasts and off and stands
 
     def _floats(self, t: float, moved: float, receiver: Receiver) -> bool:
         calm = self._calm_at < math.inf

@@ -22,12 +22,12 @@ from mission.navigation.geodesy import EARTH
 from protocol.messages import Fix
 
 FIX_DEPTH = 0.8  # m: the surface's 0.5 m and three sigma of a depth; deeper, a fix is none (R7)
-SETTLED = 5.0  # s of fixes without a gap that behave as at the surface
+SETTLED = 5.0  # s of fixes that behave as at the surface
 _REMEMBERED = 32  # places
 _NEWS = 4  # new places within such a run
 RECENT = 20.0  # s ago that the first of them may be: a receiver without any is stuck (R7)
 _SILENT = 60.0  # s without a fix: what is said again after it is stale
-_GAP = 2.5  # s between fixes: one second's may be missing
+_GAP = 8.0  # s between fixes: waves wash over the antenna; longer, and it is under water (R7)
 _HDOP, _SATELLITES = 5.0, 4
 _FASTEST = 4.0  # m/s over ground: a current, the thrusters and a wave together
 HOME_OF = 5  # fixes (R9)

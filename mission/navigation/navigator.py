@@ -32,6 +32,7 @@ if TYPE_CHECKING:
 _LATEST = 15.0  # s: what is later than this is dropped
 _AIDS_APART = 0.8  # s between two that count, of one kind: each second, told unevenly
 _KEEP = 64  # items of input that can be gone back over
+_NEARLY = 1.0  # s: by so much what is later than all that can be gone back over counts as of then
 _FAR = 100_000.0  # m from the origin, to which its plane is as good as exact
 _FRESH = 5.0  # s: a younger fix means that fixes are coming in (protocols R9)
 
@@ -229,7 +230,7 @@ class Navigation:
             history.append((item, core.save()))
             core.take(item)
             return
-        if core.t - item.t > _LATEST or not history or item.t < history[0][0].t:
+        if not core.t - _LATEST <= item.t or not self._reaches(item.t):
             self.dropped += 1
             return
         again: list[Item] = []
@@ -240,6 +241,12 @@ class Navigation:
         for one in (item, *reversed(again)):
             history.append((one, core.save()))
             core.take(one)
+
+    def _reaches(self, t: float) -> bool:
+        """It can be gone back to then. A frame, a start, a declination begin what is kept anew, and
+        the first fix is the one that comes behind its report: it counts as of that."""
+        began = self._history[0][1][2][0] if self._history else self.core.t
+        return began is None or t >= began - _NEARLY
 
     # --- out -------------------------------------------------------------------------------------
 

@@ -417,6 +417,22 @@ def test_a_word_of_the_sets_that_is_never_answered_ends_the_mission_though_other
     assert ("3 times @ZAH without an answer" in world.engine.reason) is lost
 
 
+@pytest.mark.parametrize("answered", [False, True])
+def test_words_of_sets_that_newer_ones_have_replaced_count_as_well(answered: bool) -> None:
+    """A leg that steers has another set each second: its H was lost for 10 s, and none counted."""
+    world = World(mission(leg("a", timeout=LONG)))
+    world.answer = None
+    assert world.start()
+    (entry,) = world.commands()
+    older = replace(entry, heading=1.0)
+    for turn in range(3):
+        assert world.state == "autonomous/a"
+        result = Result.ACCEPTED if answered and turn == 1 else Result.LOST
+        world.tell(Outcome(result, b"@ZAH-57$", older))
+        world.tell(Outcome(Result.ACCEPTED, b"@ZAS5$", entry))
+    assert (world.state == SURFACING) is not answered
+
+
 def test_what_is_held_is_lost_while_the_vehicles_own_reports_are_too_old() -> None:
     """A core board's count for 1 s: half of the time nobody knew."""
     vehicle = replace(load_vehicle("auv"), stale_after=1.0)

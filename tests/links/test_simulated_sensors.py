@@ -15,6 +15,7 @@ import pytest
 from geographiclib.geodesic import Geodesic
 
 from links.base import Rx
+from links.simulated.firmware.gps import GpsReceiver
 from links.simulated.geodesy import local, moved
 from links.simulated.link import HOME, SimulatedVehicle
 from links.simulated.plant import Plant
@@ -257,6 +258,42 @@ def test_fixes_scatter_about_the_truth_by_the_stated_noise() -> None:
     for errors in (norths, easts):
         assert statistics.fmean(errors) == pytest.approx(0.0, abs=0.25)
         assert statistics.stdev(errors) == pytest.approx(2.5, rel=0.1)
+
+
+def test_what_wanders_stays_for_minutes_and_does_not_average_out() -> None:
+    """Gauss and Markov, 100 s: neighbours err alike, and means over 20 s scatter as one fix does."""
+    errors = SensorErrors(fix_noise=0.0, fix_wander=3.0)
+    means = []
+    for seed in range(60):
+        receiver = GpsReceiver(errors, Random(seed), datetime(2026, 6, 1, tzinfo=UTC))
+        beside = []
+        for t in range(4, 24):
+            receiver.report(float(t), 0.0, HOME, (0.0, 0.0))
+            gga = receiver.take(t + 0.5)[-1].data.decode().splitlines()[0]
+            beside.append(local(HOME, *map(radians, degrees_of(gga)))[0])
+        assert max(abs(b - a) for a, b in itertools.pairwise(beside)) < 2.0
+        means.append(statistics.fmean(beside))
+    assert 2.2 < statistics.pstdev(means) < 3.8
+
+
+def test_the_first_fix_behind_a_dive_is_off_and_says_so_until_it_has_settled() -> None:
+    errors = SensorErrors(fix_noise=0.0, fix_settle=20.0)
+    receiver = GpsReceiver(errors, Random(3), datetime(2026, 6, 1, tzinfo=UTC))
+    told: list[tuple[float, float, int]] = []
+    for t in range(1, 120):
+        receiver.report(float(t), 5.0 if 20 <= t < 60 else 0.0, HOME, (0.0, 0.0))
+        gga = receiver.take(t + 0.5)[-1].data.decode().splitlines()[0]
+        if gga.split(",")[6] == "1":
+            off = hypot(*local(HOME, *map(radians, degrees_of(gga))))
+            told.append((off, float(gga.split(",")[8]), int(gga.split(",")[7])))
+    before, behind = told[:16], told[17:]
+    assert all(off < 0.01 and (hdop, of) == (1.0, 9) for off, hdop, of in before)
+    assert behind[0][0] > 5.0
+    assert behind[0][1] > 2.0
+    assert behind[0][2] < 7
+    assert all(b[0] < a[0] for a, b in itertools.pairwise(behind[:10]))
+    assert behind[-1][0] < 0.1
+    assert behind[-1][1:] == (1.0, 9)
 
 
 def test_speed_and_course_are_over_ground() -> None:

@@ -100,6 +100,39 @@ def test_late_fixes_leave_the_same_estimate_as_punctual_ones(
     assert delayed.estimate(500.0) == punctual.estimate(500.0)
 
 
+@pytest.mark.parametrize("lag", [0.05, 0.2, 0.9])
+def test_the_first_fix_counts_though_a_report_came_before_it(vehicle: Vehicle, lag: float) -> None:
+    """Waves wash over an antenna: there may be one, and a dive behind it. It was dropped, and the
+    radius of the whole dive with it."""
+    nav = Navigation(vehicle)
+    for t in (1.0, 3.0, 5.0):
+        nav.telemetry(Telemetry(t, depth=0.2, heading=0.5))
+    nav.fix(Fix(5.0 - lag, 0.5, 2.0, 2.5))
+    assert nav.dropped == 0
+    nav.set_origin(HOME, 5.5)
+    there = nav.estimate(6.0)
+    assert there is not None
+    assert there.mode is NavigationMode.FIX
+    assert there.covariance[0] < 10.0
+    home = LocalFrame(HOME).to_local(0.5, 2.0)
+    assert (there.north, there.east) == pytest.approx(home, abs=1.0)
+
+
+@pytest.mark.parametrize(("lag", "counts"), [(0.5, True), (1.05, False)])
+def test_what_is_late_behind_a_start_counts_as_of_that_within_a_second(
+    vehicle: Vehicle, dive: list[Item], lag: float, counts: bool
+) -> None:
+    nav = feed(Navigation(vehicle, HOME), dive[:200])
+    t = dive[199][0].t
+    nav.assume_current(0.5)
+    place = LocalFrame(HOME).to_geodetic(dive[199][0].north, dive[199][0].east)
+    nav.fix(Fix(t - lag, *place, 2.5))
+    assert nav.dropped == (0 if counts else 1)
+    later = nav.estimate(t + 1.0)
+    assert later is not None
+    assert math.hypot(later.north - dive[199][0].north, later.east - dive[199][0].east) < 6.0
+
+
 def test_what_comes_far_too_late_is_dropped_and_counted(vehicle: Vehicle, dive: list[Item]) -> None:
     nav = feed(Navigation(vehicle, HOME), dive[:200])
     before = nav.estimate(200.0)

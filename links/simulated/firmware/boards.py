@@ -24,6 +24,8 @@ from links.simulated.firmware.controllers import dive_gear, turn_gear
 from links.simulated.firmware.stm32 import GEAR_MAX, level_pwm
 from links.simulated.ground import Ground
 from links.simulated.plant import NEUTRAL, NEUTRAL_PWM, REAR, Body, Plant
+from links.simulated.sensors import FIELD_DOWN, FIELD_NORTH
+from links.simulated.waves import STILL, Waves
 from protocol.framing import Frame, LinkRow
 from protocol.tolerances import Tolerances
 from protocol.vehicles import coreboard, robot, robot_outputs, rov
@@ -122,6 +124,8 @@ class WaterBoard(Board):
     """A board whose thrusters are those of the plant, in a ``body`` of its own."""
 
     body = Body()
+    waves: Waves | None = None
+    air = 0.0  # m: what the air's pressure adds to its depths
     _depth: float | None = None  # that it told last
     _posed: tuple[float, tuple[float, float, float, float]] | None = None  # when, s, and what
 
@@ -137,20 +141,21 @@ class WaterBoard(Board):
         where they are slower than its reports."""
         slow = self.troubles.slow
         if self._posed is None or not slow or now >= self._posed[0] + slow:
-            self._posed = now, self._pose_now(plant)
+            self._posed = now, self._pose_now(plant, now)
         return self._posed[1]
 
-    def _pose_now(self, plant: Plant) -> tuple[float, float, float, float]:
+    def _pose_now(self, plant: Plant, now: float) -> tuple[float, float, float, float]:
         gauss, troubles = self.rng.gauss, self.troubles
+        felt = STILL if self.waves is None else self.waves.at(now, plant.depth)
         if self._depth is None or not troubles.depth_frozen:
-            self._depth = plant.depth + gauss(0.0, DEPTH)
+            self._depth = plant.depth + self.air + felt.head + gauss(0.0, DEPTH)
         if troubles.wild and not troubles.depth_frozen and self.rng.random() < troubles.wild:
             self._depth = self.rng.uniform(*WILD)
-        yaw = degrees((plant.yaw + gauss(0.0, _HEADING) + pi) % (2.0 * pi) - pi)
+        yaw = plant.yaw + felt.roll * FIELD_DOWN / FIELD_NORTH + gauss(0.0, _HEADING)
         return (
-            degrees(remainder(plant.roll + gauss(0.0, _ANGLE), tau)),
-            degrees(plant.pitch + gauss(0.0, _ANGLE)),
-            yaw,
+            degrees(remainder(plant.roll + felt.roll + gauss(0.0, _ANGLE), tau)),
+            degrees(plant.pitch + felt.pitch + gauss(0.0, _ANGLE)),
+            degrees((yaw + pi) % (2.0 * pi) - pi),
             self._depth,
         )
 
@@ -185,7 +190,7 @@ class CoreBoard(WaterBoard):
         surge, turn, down = (GEAR_MAX * v[name] / 100.0 for name in ("tx", "mz", "tz"))
         if v["closed_loop"]:
             turn = turn_gear(radians(v["heading_deg"]), plant.yaw, plant.r)
-            down = dive_gear(v["depth_m"] - plant.depth, plant.depth_rate)
+            down = dive_gear(v["depth_m"] - self.air - plant.depth, plant.depth_rate)
         return pwms(surge, turn, -down)
 
     def report(self, plant: Plant, place: Place, now: float) -> bytes:

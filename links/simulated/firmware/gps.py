@@ -3,10 +3,12 @@
     $GPGGA,hhmmss.00,ddmm.mmmmmm,N,dddmm.mmmmmm,E,1,09,1.0,h.h,M,0.0,M,,*hh
     $GPRMC,hhmmss.00,A,ddmm.mmmmmm,N,dddmm.mmmmmm,E,knots,course,ddmmyy,,,A*hh
 
-A fix needs the antenna out of the water (``ANTENNA``) for some seconds; without one the sentences
-go on with the time alone (quality 0, status V). Noise is white, HDOP is 1.0. Both sentences, or
-the one that the receiver is set to, leave as one piece, ``LATENCY`` after the second they belong
-to, and are through by ``COMPLETE``.
+A fix needs the antenna out of the water (``ANTENNA``) for some seconds, for one or two where a
+wave has just washed over it; without one the sentences go on with the time alone (quality 0,
+status V). Noise is white; ``fix_wander`` is what the sky adds to it, which stays for minutes, and
+``fix_settle`` what the first fix behind a dive is off by, with few satellites and a large HDOP.
+Both sentences, or the one that the receiver is set to, leave as one piece, ``LATENCY`` after the
+second they belong to, and are through by ``COMPLETE``.
 
 Own formatter: the library's costs ten times as much. What does not live here: the decoder.
 """
@@ -15,7 +17,7 @@ from __future__ import annotations
 
 from collections import deque
 from datetime import UTC, datetime, timedelta
-from math import atan2, degrees, hypot
+from math import atan2, degrees, exp, hypot, inf, sqrt
 from random import Random
 
 from links.simulated.firmware.uart import Chunk, turned_over
@@ -25,6 +27,10 @@ from links.simulated.sensors import SensorErrors
 ANTENNA = 0.3  # m, depth of the pressure sensor below which the antenna is under water
 RECENT = 32  # places that it can say again
 WANDER = 0.4  # m a second and axis
+WASHED = 10.0  # s under water at most, behind which it finds its satellites at once
+AT_ONCE = 1.0, 2.0  # s
+SETTLES = 5.0  # s
+CORRELATED = 100.0  # s, of the sky's errors
 LATENCY = 0.1  # s from the epoch to the first byte
 COMPLETE = 0.3  # s from the epoch until all has been sent (150 bytes at 9600 take 0.16)
 KNOT = 1852 / 3600
@@ -76,6 +82,8 @@ class GpsReceiver:
         self.corrupt = 0.0  # share of epochs with a bit turned over
         self.offset = (0.0, 0.0)  # m north and east that fixes are beside the truth
         self._fix_at: float | None = errors.first_fix
+        self._seen = -inf  # when its antenna was last out of the water
+        self._beside = _Beside(errors, rng)
         self._last: Look | None = None
         self._said: deque[Look] = deque(maxlen=RECENT)
         self._turn = 0
@@ -91,13 +99,18 @@ class GpsReceiver:
             self._fix_at = None
             return False
         if self._fix_at is None:
-            self._fix_at = now + self.rng.uniform(*self.errors.fix_again)
+            washed = now - self._seen < WASHED
+            self._fix_at = now + self.rng.uniform(*(AT_ONCE if washed else self.errors.fix_again))
+            if not washed:
+                self._beside.begin(self._fix_at)
+        self._seen = now
         return now >= self._fix_at
 
     def report(
         self, now: float, depth: float, position: tuple[float, float], velocity: tuple[float, float]
     ) -> None:
-        """The epoch at ``now``: latitude and longitude, north and east over ground."""
+        """The epoch at ``now``: metres of water over the pressure sensor, latitude and longitude,
+        north and east over ground."""
         fixed = self.has_fix(depth, now)
         if self.silent or not self.powered:
             return
@@ -105,7 +118,7 @@ class GpsReceiver:
         look = self._repeated()
         if look is None and fixed:
             self._astray = position
-            look = self._last = self._look(position, velocity)
+            look = self._last = self._look(position, velocity, now)
             self._said.append(look)
         elif look is None and self.wanders and self._astray is not None:
             look = self._wandered()
@@ -141,32 +154,73 @@ class GpsReceiver:
         minute, second = divmod(second, 60)
         return _TWO[minute // 60] + _TWO[minute % 60] + _TWO[second] + ".00"
 
-    def _look(self, position: tuple[float, float], velocity: tuple[float, float]) -> Look:
+    def _look(
+        self, position: tuple[float, float], velocity: tuple[float, float], now: float | None = None
+    ) -> Look:
+        """Without a time as it makes them up."""
         gauss, noise, slip = self.rng.gauss, self.errors.fix_noise, self.errors.speed_noise
         beside_north, beside_east = self.offset
+        unsettled = 0.0
+        if now is not None:
+            north, east, unsettled = self._beside.at(now)
+            beside_north, beside_east = beside_north + north, beside_east + east
         latitude, longitude = moved(
             *position, beside_north + gauss(0.0, noise), beside_east + gauss(0.0, noise)
         )
         north, east = velocity[0] + gauss(0.0, slip), velocity[1] + gauss(0.0, slip)
         place = f"{_angle(latitude, 2, 'NS')},{_angle(longitude, 3, 'EW')}"
         course = round(degrees(atan2(east, north)), 2) % 360.0
-        return place, hypot(north, east) / KNOT, course, 0.3 + gauss(0.0, 2 * noise)
+        sky = f"{9 - round(5.0 * unsettled):02d},{1.0 + 3.0 * unsettled:.1f}"
+        return place, hypot(north, east) / KNOT, course, 0.3 + gauss(0.0, 2 * noise), sky
 
 
-Look = tuple[str, float, float, float]  # place, knots, course, height
+class _Beside:
+    """What makes fixes of seconds and minutes err alike."""
+
+    def __init__(self, errors: SensorErrors, rng: Random) -> None:
+        self._rng, self._wander, self._settle = rng, errors.fix_wander, errors.fix_settle
+        self._slow: tuple[float, float] | None = None
+        self._first = (0.0, 0.0)
+        self._from = -inf
+        self._keep = exp(-1.0 / CORRELATED)
+        self._renew = self._wander * sqrt(1.0 - self._keep**2)
+
+    def begin(self, at: float) -> None:
+        """Behind a dive it is not settled."""
+        if self._settle:
+            self._first = self._two(self._settle)
+            self._from = at
+
+    def at(self, now: float) -> tuple[float, float, float]:
+        """m north and east, and how far it is from settled: 1 at its first fix."""
+        if self._wander:
+            if self._slow is None:
+                self._slow = self._two(self._wander)
+            else:
+                north, east = self._two(self._renew)
+                self._slow = self._keep * self._slow[0] + north, self._keep * self._slow[1] + east
+        north, east = self._slow or (0.0, 0.0)
+        unsettled = exp(min(0.0, self._from - now) / SETTLES)
+        return north + unsettled * self._first[0], east + unsettled * self._first[1], unsettled
+
+    def _two(self, sigma: float) -> tuple[float, float]:
+        return self._rng.gauss(0.0, sigma), self._rng.gauss(0.0, sigma)
+
+
+Look = tuple[str, float, float, float, str]  # place, knots, course, height; satellites, HDOP
 
 
 def _gga(clock: str, date: str, look: Look | None) -> str:
     if look is None:
         return f"GPGGA,{clock},,,,,0,00,,,M,0.0,M,,"
-    place, _, _, height = look
-    return f"GPGGA,{clock},{place},1,09,1.0,{height:.1f},M,0.0,M,,"
+    place, _, _, height, sky = look
+    return f"GPGGA,{clock},{place},1,{sky},{height:.1f},M,0.0,M,,"
 
 
 def _rmc(clock: str, date: str, look: Look | None) -> str:
     if look is None:
         return f"GPRMC,{clock},V,,,,,,,{date},,,N"
-    place, knots, course, _ = look
+    place, knots, course, _, _ = look
     return f"GPRMC,{clock},A,{place},{knots:.3f},{course:.2f},{date},,,A"
 
 

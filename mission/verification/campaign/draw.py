@@ -48,6 +48,8 @@ WEIGHT = frozenset({"heavy", "light"})
 STAGED, BESIDE = 0.7, 0.4  # shares: of the flights, and of those with something else beside
 ROUGH, AMPLITUDE, WAVE_PERIOD = 0.5, (0.05, 0.75), (3.5, 12.0)  # share of the flights; m, s
 AIR = -0.2, 0.4  # m of depth, that the air makes of 980 to 1040 hPa
+AIR_OF_BOARDS = -0.2, 0.25  # m: with more, nothing tells what has no receiver that it is up (R7)
+SKY, SETTLE = (0.0, 3.0), (0.0, 20.0)  # m that fixes of minutes, and the first, err alike
 UNEVEN = (0.0, 0.2, 0.4, 0.6)  # s that a report may come early or late
 SCENE_TIME, SCENE_FLOOR = 160.0, 30.0  # s that matter, m
 IDLE = ("temperature_", "magnetometer_", "battery_")  # nothing on this vehicle decides by them
@@ -119,6 +121,8 @@ class Plan:
             f"floor {sea.floor:.0f} m",
             *([f"depth_bias={bias:g}"] if bias is not None else []),
             *([f"waves={sea.waves[0]:g}@{sea.waves[1]:g}"] if sea.waves[0] else []),
+            *([f"fix_wander={wander:g}"] if (wander := self.settings.errors.fix_wander) else []),
+            *([f"fix_settle={settle:g}"] if (settle := self.settings.errors.fix_settle) else []),
             *([f"uneven={self.settings.uneven:g}"] if self.settings.uneven else []),
             *(setting_of(event) for event in self.settings.faults),
             *(f"{drawn.name}@{drawn.begin:.1f}" for drawn in self.incidents),
@@ -163,16 +167,24 @@ def draw_row(row: str, rng: Random, seed: int, number: int, subjects: Sequence[S
 
 
 def in_a_seaway(plan: Plan) -> Plan:
-    """No firmware reports every 2.000 s, few seas are flat, and a depth that is the pressure less
-    10 dbar begins where the air's has it."""
-    if plan.subject.vehicle != "auv":
+    """No firmware reports every 2.000 s, few seas are flat, a depth that is the pressure less
+    10 dbar begins where the air's has it, and what one fix is off by the next one is, too."""
+    if plan.subject.vehicle == "robot":
         return plan
-    rng = Random(f"seaway {plan.vehicle_seed}")
+    rng, settings = Random(f"seaway {plan.vehicle_seed}"), plan.settings
     uneven, rough = rng.choice(UNEVEN), rng.random() < ROUGH
     waves = (round(rng.uniform(*AMPLITUDE), 2), round(rng.uniform(*WAVE_PERIOD), 1))
-    sea = replace(plan.settings.sea, waves=waves) if rough else plan.settings.sea
-    errors = replace(plan.settings.errors, depth_bias=round(rng.uniform(*AIR), 2))
-    return replace(plan, settings=replace(plan.settings, sea=sea, errors=errors, uneven=uneven))
+    sea = replace(settings.sea, waves=waves) if rough else settings.sea
+    if plan.subject.vehicle != "auv":
+        errors = replace(settings.errors, depth_bias=round(rng.uniform(*AIR_OF_BOARDS), 2))
+        return replace(plan, settings=replace(settings, sea=sea, errors=errors))
+    errors = replace(
+        settings.errors,
+        depth_bias=round(rng.uniform(*AIR), 2),
+        fix_wander=round(rng.uniform(*SKY), 1),
+        fix_settle=round(rng.uniform(*SETTLE)),
+    )
+    return replace(plan, settings=replace(settings, sea=sea, errors=errors, uneven=uneven))
 
 
 def _staged(

@@ -31,6 +31,7 @@ _SET, _POWERLESS = 1.5, 7  # s; reports: two, the set again, two more (R8), and 
 _FALLEN = 6.0  # deg: 10 (R5), and the noise of two reports
 _APART, _UNDER_WAY, _DRIFTS = math.radians(75.0), 0.7, 32.0  # rad, m/s, s: 60 deg, 0.4, 20 s
 _SURE = 1.645  # of a normal: 95 %
+_STANDS = 6.0  # s for which what was seen last stands (R5)
 _NO_COURSE = (
     *("gps_", "gps2_", "depth_", "heading_absurd", "heading_full"),
     *("heading_silent", "heading_frozen", "heading_inter"),
@@ -212,6 +213,7 @@ def _radius(story: Story, t: float) -> float:
 def _course_apart(story: Story, stay: Stay) -> Iterator[Violation]:
     """At the surface, under way, with fixes: by a receiver that no operator has switched off."""
     since: float | None = None
+    last = stay.begin
     speeds = story.vehicle.speed_by_gear
     sets = [
         (b, e, c) for b, e, c in sets_of(story, stay) if speeds.at(12.0 * c.surge) >= _UNDER_WAY
@@ -220,6 +222,9 @@ def _course_apart(story: Story, stay: Stay) -> Iterator[Violation]:
         place = story.trial.track[min(int(told.t), len(story.trial.track) - 1)]
         if story.is_switched(0.0, told.t):
             return
+        age, dark, last = told.estimate.fix_age, told.t - last, told.t
+        if since is not None and (age is None or age > _STANDS):
+            since += dark  # waves wash over its antenna: nobody can tell
         moves = place.ground_speed > _UNDER_WAY and place.depth < 0.25
         set_out = any(b + 6.0 < told.t < e for b, e, _ in sets)
         known = told.estimate.heading is not None

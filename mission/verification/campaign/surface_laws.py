@@ -81,7 +81,8 @@ def _is_at_surface(story: Story, stay: Stay) -> Iterator[Violation]:
     t = stay.begin
     told = t - _REPORTS  # the last report may be as old: what sinks since is not known
     shallow = story.deepest(told - _AFLOAT, told) <= _SHALLOW
-    fixed = story.deepest(t - 2.0, t) <= _FIXED
+    trough = story.settings.sea.waves[0]  # m that it may have less water over its antenna
+    fixed = story.deepest(t - 2.0, t) <= _FIXED + trough
     in_vain = lift(story.settings, story.profile, t) < SLIGHT  # pushes contradict a true depth
     unknown = in_vain or not story.told_in(t - 6.0, t) or story.faulty(DEPTH_FAULTS, t - 20.0, t)
     wanders = story.faulty(WANDERING, t - 20.0, t)

@@ -267,3 +267,19 @@ def test_a_report_that_turns_the_heading_counts_for_the_depth(steered: tuple[flo
     turns = [Setpoint(surge=1.0, heading=0.1 * i, depth=8.0) for i in range(len(begins))]
     sets = list(zip(begins, (*begins[1:], 100.0), turns, strict=True))
     assert list(waits(sets, reports))[-1] == (12.0, 12.0, 8.0)
+
+
+@pytest.mark.parametrize(
+    ("scene", "seed", "sets"),
+    [
+        *[("loose_compass", seed, ["waves=0.7@3.8"]) for seed in (5, 9)],
+        *[("heavy_when_surfaced", seed, ["waves=0.75@8.6", "depth_bias=0.2"]) for seed in (3, 16)],
+    ],
+)
+def test_fixes_that_waves_hide_and_show_are_no_fault_of_the_program(
+    scene: str, seed: int, sets: list[str]
+) -> None:
+    """R5, R7: what nobody can tell counts neither way, and a trough uncovers what is still deep."""
+    plan = stage(scene, seed)
+    settings = parse_settings(sets, plan.settings)
+    assert judged(replace(plan, settings=settings, profile="documented")) == []
