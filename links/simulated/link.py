@@ -129,6 +129,7 @@ class SimulatedVehicle:
         if self.settings.splice is not None:
             self.stm32.splice = self.settings.splice
         self.usual_splice = self.stm32.splice
+        self.stm32.answers_late = self.settings.answers_late, Random(f"answers {seed}")
         self.gps = GpsReceiver(self.settings.errors, rng, start, self.settings.sentences)
         self.second_gps = _second_gps(self.settings, seed, start)
         self.second_link = None if self.second_gps is None else SecondLink(self, self.second_gps)

@@ -50,6 +50,7 @@ class Settings:
     second_gps: float | None = None  # m: noise of a second receiver; None: it is not there
     sentences: tuple[str, ...] = ("GGA", "RMC")  # what the GPS receiver says every second
     uneven: float = 0.0  # s that @SD may come early or late
+    answers_late: float = 0.0  # s, at most, of what the STM32 answers
     thrust: float = 1.0  # share that the main thrusters have of what their body's have
 
     def pushed(self, body: Body) -> Body:
@@ -177,6 +178,10 @@ def _uneven(settings: Settings, text: str) -> Settings:
     return replace(settings, uneven=_number(text, 0.0, 1.8))
 
 
+def _answers(settings: Settings, text: str) -> Settings:
+    return replace(settings, answers_late=_number(text, 0.0, 2.0))
+
+
 def parse_fault(text: str) -> FaultEvent:
     """``name[=value]@begin[+duration]``."""
     what, at, when = text.rpartition("@")
@@ -236,6 +241,7 @@ SETTINGS: dict[str, Setting] = {
     "buoyancy": Setting("N", "net, upward", _buoyancy),
     "thrust": Setting("SHARE", "of what the main thrusters have; a robot's wheels alike", _thrust),
     "uneven": Setting("S", "that an @SD comes early or late, to 0.2 s; boards none", _uneven),
+    "answers_late": Setting("S", "of an STM32, at most, each as drawn; boards give none", _answers),
     "splice": Setting("CHANCE", "of an answer inside an @SD", _splice),
     "fault": Setting("NAME[=VALUE]@BEGIN[+DURATION]", "s; may be given again", _fault),
 }

@@ -216,7 +216,7 @@ EXAMPLES = {
     "thermocline": "4@12", "warm_layer": "2@8", "speed_log": "0.05", "doppler": "0.03",
     "acoustic": "3", "doppler_pd0": "0.03", "ranges": "2", "beacon": "3@30.288,120.154,4", "second_gps": "2.5",
     "added_lie": "frozen@20", "fix_noise": "5", "fix_wander": "2", "fix_settle": "15", "first_fix": "30",
-    "buoyancy": "5", "splice": "1", "thrust": "0.8", "uneven": "0.4", "waves": "0.4@6",
+    "buoyancy": "5", "splice": "1", "thrust": "0.8", "answers_late": "0.2", "uneven": "0.4", "waves": "0.4@6",
     "fault": "stm32_hang@12.5+8",
 }  # fmt: skip
 

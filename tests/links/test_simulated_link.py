@@ -113,3 +113,21 @@ def test_a_closed_link_says_so(profile: str) -> None:
 def test_an_unknown_profile_is_named_with_the_known_ones() -> None:
     with pytest.raises(ValueError, match="as-built"):
         SimulatedVehicle("as-buildt")
+
+
+@pytest.mark.parametrize("most", [0.0, 0.2])
+def test_answers_are_late_by_up_to_what_is_set_each_by_its_own(most: float) -> None:
+    vehicle = SimulatedVehicle("as-built", 2, parse_settings([f"answers_late={most}"]))
+    took = []
+    for i in range(60):
+        said = 0.5 + 2.0 * i  # between two reports
+        vehicle.advance(said)
+        vehicle.vehicle_link.send(b"@ZAS5$", said)
+        vehicle.advance(said + 0.4)
+        (answer,) = (
+            rx for rx in vehicle.vehicle_link.receive(said + 0.4) if rx.data.startswith(b"@ACK")
+        )
+        took.append(answer.t - said)
+    assert min(took) < 0.03
+    assert max(took) - min(took) <= most + 1e-6
+    assert max(took) - min(took) >= 0.8 * most

@@ -84,6 +84,7 @@ class Stm32(ABC):
         self.deaf = False  # commands get lost
         self.garbles = 0.0  # share of commands with a bit turned over
         self.loses_acks = False
+        self.answers_late = 0.0, rng  # s at most, each as drawn
         self.dives: list[str] = []  # at full power whatever is asked, each until this code, or ""
         self.ignores: set[str] = set()  # codes of @ZA that it does not hear
         self.refuses = ""  # codes of @ZA that it answers N
@@ -176,6 +177,9 @@ class Stm32(ABC):
         if self.loses_acks:
             return
         frame, at = b"@ACK_" + answer + b"$", now + ACK_DELAY
+        most, rng = self.answers_late
+        if most:
+            at += rng.uniform(0.0, most)
         spliced = self.splice > 0.0 and self.rng.random() < self.splice
         if not (spliced and self.tx.cut_in(frame, at)):
             self.tx.send(frame, at)

@@ -50,6 +50,7 @@ ROUGH, AMPLITUDE, WAVE_PERIOD = 0.5, (0.05, 0.75), (3.5, 12.0)  # share of the f
 AIR = -0.2, 0.4  # m of depth, that the air makes of 980 to 1040 hPa
 AIR_OF_BOARDS = -0.2, 0.25  # m: with more, nothing tells what has no receiver that it is up (R7)
 SKY, SETTLE = (0.0, 3.0), (0.0, 20.0)  # m that fixes of minutes, and the first, err alike
+ANSWERS = (0.0, 0.1, 0.2, 0.28)  # s that they may take: with its bytes 0.3 are not over (R1)
 UNEVEN = (0.0, 0.2, 0.4, 0.6)  # s that a report may come early or late
 SCENE_TIME, SCENE_FLOOR = 160.0, 30.0  # s that matter, m
 IDLE = ("temperature_", "magnetometer_", "battery_")  # nothing on this vehicle decides by them
@@ -124,6 +125,7 @@ class Plan:
             *([f"fix_wander={wander:g}"] if (wander := self.settings.errors.fix_wander) else []),
             *([f"fix_settle={settle:g}"] if (settle := self.settings.errors.fix_settle) else []),
             *([f"uneven={self.settings.uneven:g}"] if self.settings.uneven else []),
+            *([f"answers_late={late:g}"] if (late := self.settings.answers_late) else []),
             *(setting_of(event) for event in self.settings.faults),
             *(f"{drawn.name}@{drawn.begin:.1f}" for drawn in self.incidents),
         ]
@@ -184,7 +186,8 @@ def in_a_seaway(plan: Plan) -> Plan:
         fix_wander=round(rng.uniform(*SKY), 1),
         fix_settle=round(rng.uniform(*SETTLE)),
     )
-    return replace(plan, settings=replace(settings, sea=sea, errors=errors, uneven=uneven))
+    settings = replace(settings, sea=sea, errors=errors, uneven=uneven)
+    return replace(plan, settings=replace(settings, answers_late=rng.choice(ANSWERS)))
 
 
 def _staged(
