@@ -57,6 +57,7 @@ _EVENLY = 1.0, 0.4  # m/s and m: what is more at once is a step of the ground
 _AT_REST = 45.0  # s since the depth moved: a slow altimeter has followed by then
 _MOVED = 0.5  # m that a depth must have moved to be believed again
 _FOLLOWS = 1.0  # m between the halves that are the vehicle's own way
+_LAPSE = 3.5  # s since the report before: longer, and a stick may have had it meanwhile
 _EVERY, _GAP = 0.9, 6.5  # s: reports that are used, and the longest between two
 
 UNPUSHED = Vertical(None, None)
@@ -151,6 +152,7 @@ class DepthBelief:
             if (at_ground and not gone) if way > 0 else depth < FIX_DEPTH:
                 way = 0
         lapses = not way and self._way != 0 and t - self._lapsed_at > WINDOW  # one alone in it
+        lapses = lapses and len(self._samples) > 1 and t - self._samples[-2].t <= _LAPSE
         self._lapsed_at = t if lapses else self._lapsed_at
         if way != self._way and not lapses:
             self._way, self._pushed_at = way, t

@@ -87,6 +87,17 @@ def test_one_that_stands_at_depth_though_the_verticals_push_up_is_too():
     assert Dive().go(18.0, UP, at(6.0)).startswith("contradicted: the verticals push up")
 
 
+@pytest.mark.parametrize("rises", [0.8, 1.0, 1.2])
+def test_a_stick_that_had_it_between_two_reports_has_ended_the_push(rises: float):
+    """As built there are none while it drives. It rose meanwhile, and the dive that went on was a
+    depth that stood under a push."""
+    dive = Dive(noise=0.0)
+    dive.go(16.0, DOWN, sinking(0.3))
+    dive.t += 4.0  # driven by hand
+    dive.go(2.0, REST, at(4.7 - rises))
+    assert dive.go(6.0, DOWN, sinking(0.3, 4.6 - rises)) == ""
+
+
 def test_where_fixes_have_ended_half_a_metre_short_is_enough_for_the_set_alone():
     for fixes, contradicted in ((True, True), (False, False)):
         dive, push = Dive(noise=0.02), Vertical(None, 1.0)
