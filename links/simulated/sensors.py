@@ -24,7 +24,7 @@ from math import cos, exp, log, nan, pi, radians, remainder, sin, sqrt
 from random import Random
 
 from links.simulated.plant import Plant
-from links.simulated.waves import STILL, Felt, Waves
+from links.simulated.waves import Felt, Waves, felt
 from links.simulated.wrong import Wrong
 
 PERIOD = 2.0  # s between samples, that of @SD
@@ -95,6 +95,11 @@ class SensorErrors:
 def _half_circle(angle: float) -> float:
     """As a sensor says it: within half a turn either way."""
     return angle if -pi <= angle <= pi else remainder(angle, TWO_PI)
+
+
+def turned(by: Felt) -> float:
+    """rad: what the compass is off in waves, which leans with what it is in."""
+    return by.roll * FIELD_DOWN / FIELD_NORTH
 
 
 def warmth(errors: SensorErrors, depth: float) -> float:
@@ -168,7 +173,7 @@ class Sensors:
 
     def felt(self, plant: Plant, now: float) -> Felt:
         """Of the waves, where it is."""
-        return STILL if self.waves is None else self.waves.at(now, plant.depth)
+        return felt(self.waves, now, plant.depth)
 
     def altitude(self, plant: Plant) -> float:
         if not self._echo or 5 in self.wrong or (self.health and Sensor.ALTITUDE in self.health):
@@ -217,11 +222,11 @@ class Sensors:
         self.last = values
         return values
 
-    def _rock(self, values: list[float], felt: Felt) -> None:
-        values[0] = _half_circle(values[0] + felt.roll)
-        values[1] += felt.pitch
-        values[2] = (values[2] + felt.roll * FIELD_DOWN / FIELD_NORTH) % TWO_PI
-        values[4] += felt.head
+    def _rock(self, values: list[float], by: Felt) -> None:
+        values[0] = _half_circle(values[0] + by.roll)
+        values[1] += by.pitch
+        values[2] = (values[2] + turned(by)) % TWO_PI
+        values[4] += by.head
 
     def _without(self, slot: int) -> float:
         return self.last[slot] if self._silent is Health.FROZEN else nan

@@ -35,6 +35,10 @@ class Felt(NamedTuple):
 STILL = Felt()
 
 
+def felt(waves: Waves | None, t: float, depth: float) -> Felt:
+    return STILL if waves is None else waves.at(t, depth)
+
+
 class Waves:
     """``amplitude`` in m, of both together at most; ``period`` in s."""
 

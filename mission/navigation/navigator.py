@@ -230,7 +230,7 @@ class Navigation:
             history.append((item, core.save()))
             core.take(item)
             return
-        if not core.t - _LATEST <= item.t or not self._reaches(item.t):
+        if core.t - item.t > _LATEST or not self._reaches(item.t):
             self.dropped += 1
             return
         again: list[Item] = []
@@ -245,7 +245,9 @@ class Navigation:
     def _reaches(self, t: float) -> bool:
         """It can be gone back to then. A frame, a start, a declination begin what is kept anew, and
         the first fix is the one that comes behind its report: it counts as of that."""
-        began = self._history[0][1][2][0] if self._history else self.core.t
+        began = self.core.t
+        if self._history:
+            _, _, (began, *_) = self._history[0][1]  # ``t`` of the core before it
         return began is None or t >= began - _NEARLY
 
     # --- out -------------------------------------------------------------------------------------

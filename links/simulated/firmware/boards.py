@@ -24,8 +24,8 @@ from links.simulated.firmware.controllers import dive_gear, turn_gear
 from links.simulated.firmware.stm32 import GEAR_MAX, level_pwm
 from links.simulated.ground import Ground
 from links.simulated.plant import NEUTRAL, NEUTRAL_PWM, REAR, Body, Plant
-from links.simulated.sensors import FIELD_DOWN, FIELD_NORTH
-from links.simulated.waves import STILL, Waves
+from links.simulated.sensors import turned
+from links.simulated.waves import Waves, felt
 from protocol.framing import Frame, LinkRow
 from protocol.tolerances import Tolerances
 from protocol.vehicles import coreboard, robot, robot_outputs, rov
@@ -146,15 +146,15 @@ class WaterBoard(Board):
 
     def _pose_now(self, plant: Plant, now: float) -> tuple[float, float, float, float]:
         gauss, troubles = self.rng.gauss, self.troubles
-        felt = STILL if self.waves is None else self.waves.at(now, plant.depth)
+        here = felt(self.waves, now, plant.depth)
         if self._depth is None or not troubles.depth_frozen:
-            self._depth = plant.depth + self.air + felt.head + gauss(0.0, DEPTH)
+            self._depth = plant.depth + self.air + here.head + gauss(0.0, DEPTH)
         if troubles.wild and not troubles.depth_frozen and self.rng.random() < troubles.wild:
             self._depth = self.rng.uniform(*WILD)
-        yaw = plant.yaw + felt.roll * FIELD_DOWN / FIELD_NORTH + gauss(0.0, _HEADING)
+        yaw = plant.yaw + turned(here) + gauss(0.0, _HEADING)
         return (
-            degrees(remainder(plant.roll + felt.roll + gauss(0.0, _ANGLE), tau)),
-            degrees(plant.pitch + felt.pitch + gauss(0.0, _ANGLE)),
+            degrees(remainder(plant.roll + here.roll + gauss(0.0, _ANGLE), tau)),
+            degrees(plant.pitch + here.pitch + gauss(0.0, _ANGLE)),
             degrees((yaw + pi) % (2.0 * pi) - pi),
             self._depth,
         )
