@@ -145,7 +145,7 @@ class DepthBelief:
     ) -> None:
         quiet = receiver.no_news(t)
         if altitude is not None:
-            self._notice_ground(t, depth, altitude)
+            self._notice_ground(t, altitude)
         gone = quiet is not None and _FIXES_GO < quiet <= _HAD and abs(depth) < FIX_DEPTH
         if way := self._push(depth, push, gone):
             at_ground = t - self._grounded_at <= _LIES
@@ -161,14 +161,20 @@ class DepthBelief:
         self._calm_at = math.inf if pushes_down else min(self._calm_at, t)
         self._still_at = math.inf if mains > _STILL else min(self._still_at, t)
 
-    def _notice_ground(self, t: float, depth: float, altitude: float) -> None:
-        """Of an altimeter that says so all the way down it is itself that it hears."""
+    def _notice_ground(self, t: float, altitude: float) -> None:
+        """Of an altimeter that says so all the way down it is itself that it hears. Means, since
+        waves move the depth of what lies on the ground."""
         if altitude > _GROUND:
             self._grounded_at, self._heard_from = -math.inf, (math.inf, -math.inf)
             return
-        least, most = self._heard_from
-        if abs(depth - self._samples[0].depth) >= 2.0 * STANDS:  # it dives: no crawl, no noise
-            least, most = min(least, depth + altitude), max(most, depth + altitude)
+        samples, least, most = self._samples, *self._heard_from
+        half = len(samples) // 2
+        before = _mean([s.depth for s in samples[:half]])
+        after = _mean([s.depth for s in samples[half:]])
+        if abs(after - before) >= 2.0 * STANDS:  # it dives: no crawl, no wave, no noise
+            near = [s for s in samples if s.altitude is not None and s.altitude <= _GROUND]
+            ground = _mean([s.depth + (s.altitude or 0.0) for s in near])
+            least, most = min(least, ground), max(most, ground)
             self._heard_from = least, most
         self._grounded_at = t if most - least <= _UNEVEN else -math.inf
 
@@ -196,7 +202,7 @@ class DepthBelief:
         newer = [s.depth for s in samples if s.t > middle + 1e-6]
         if not older or not newer:
             return None
-        return sum(older) / len(older), sum(newer) / len(newer)
+        return _mean(older), _mean(newer)
 
     # --- doubt -----------------------------------------------------------------------------------
 
@@ -250,7 +256,7 @@ class DepthBelief:
         if len(older) < 2 or len(newer) < 2:
             self._ground_from = None
             return 0.0
-        nearer = sum(older) / len(older) - sum(newer) / len(newer)
+        nearer = _mean(older) - _mean(newer)
         way, (rate, noise) = math.copysign(1.0, nearer), _EVENLY
         for (at, a), (bt, b) in itertools.pairwise(seen):
             if not -noise <= (a - b) * way <= rate * (bt - at) + noise:
@@ -258,7 +264,7 @@ class DepthBelief:
                 return 0.0
         if nearer >= _CLOSING or (nearer <= -_CLOSING and not afloat):
             return nearer
-        return self._slowly(t, sum(newer) / len(newer), afloat)
+        return self._slowly(t, _mean(newer), afloat)
 
     def _slowly(self, t: float, altitude: float, afloat: bool) -> float:
         """m by which the ground has come nearer since the depth stands and nothing drives, 0 where
@@ -306,3 +312,8 @@ class DepthBelief:
             abs(b.depth - a.depth) <= _BODY * (b.t - a.t) + STANDS
             for a, b in itertools.pairwise(self._samples)
         )
+
+
+def _mean(values: list[float]) -> float:
+    """NaN of none."""
+    return sum(values) / len(values) if values else math.nan

@@ -235,6 +235,19 @@ def test_to_lie_on_the_ground_is_natural_where_the_altimeter_says_so():
     assert Dive().go(300.0, DOWN, at(6.0), heard) == ""
 
 
+@pytest.mark.parametrize("period", [4.0, 8.0, 11.9])
+@pytest.mark.parametrize("phase", range(4))
+def test_to_lie_on_the_ground_under_a_swell_is_natural_where_the_altimeter_says_so(period, phase):
+    """A board that dives by itself held one at 6.7 m of a sea of 7 m, under waves of 0.6 m."""
+    dive = Dive(noise=0.05)
+
+    def swell(s: float) -> float:
+        return 0.5 * math.sin(math.tau * (dive.t / period + phase / 4.0))
+
+    dive.go(16.0, DOWN, lambda s: 0.3 + 0.4 * s + swell(s), lambda s: 6.7 - 0.4 * s)
+    assert dive.go(1200.0, DOWN, lambda s: 6.7 + swell(s), near(dive)) == ""
+
+
 @pytest.mark.parametrize("clogs_at", [3.0, 6.0, 9.6])
 def test_an_altimeter_that_hears_itself_all_the_way_down_explains_no_depth_that_stands(clogs_at):
     dive = Dive(noise=0.03)
