@@ -7,8 +7,7 @@
     stick      no stick that is held, and none in neutral, takes an emergency over (R6); 2 s without
                M everything is stopped, a minute later manual is left
     commander  one connection commands while it is heard (R12)
-    AUTO       closed, and no mission goes on or begins, nothing at rest turns by itself (R13), and
-               nothing is held up at the surface
+    AUTO       closed: no mission goes on or begins, nothing turns by itself, nor is held up (R13)
     gap        20 ms between two frames on the line
     refused    a set that is answered N: the leg's else (refusal_laws)
     blind      a leg that needs a reading which fails is left within 6 s of that being known
@@ -222,12 +221,13 @@ def _ends_on_its_way_up(story: Story) -> Iterator[Violation]:
         if not (under_way and deep) or orders or others or due > story.end:
             continue
         ways = stay.ascends or _has_word(story, end.t - 0.1, due)
-        if story.tilt(end.t) < 1.0 and not ways:
+        sticks = [s.begin for s in story.stays if s.state.startswith(MANUAL)]
+        taken = min((begin for begin in sticks if begin >= end.t - SAME), default=math.inf)
+        if story.tilt(end.t) < 1.0 and not ways and taken > due:
             yield Violation(UNSENT, due, f"told to end in {stay.state}: no upward word")
         gone = next((d.t for d in story.done if d.act is Act.LEAVE and d.t > end.t), math.inf)
         hurried = any(done.act in _ENDS_AT_ONCE for done in story.done)
-        taken = any(end.t <= s.begin <= gone and s.state.startswith(MANUAL) for s in story.stays)
-        if hurried or taken or _is_unseen(story, gone):
+        if hurried or taken <= gone or _is_unseen(story, gone):
             continue
         if gone <= end.t + _STAYS and story.depth(gone) > _allowed(story, gone):
             says = f"told to end in {stay.state}, and gone {story.depth(gone):.1f} m deep"

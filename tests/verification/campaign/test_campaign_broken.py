@@ -437,6 +437,17 @@ def test_of_a_program_that_is_dead_when_it_is_told_to_end_no_word_is_asked() -> 
     assert any("told to end" in says for _, says in found)
 
 
+def test_what_is_told_to_end_as_the_stick_takes_over_is_brought_up_behind_the_stick() -> None:
+    """Both in one instant: no upward word is due while it is held."""
+    end, moves = Disturbance(50.1, Act.END), [50.1 + 0.2 * i for i in range(15)]
+    stick = tuple(Disturbance(t, Act.SAY, b"@MMF4$") for t in moves)
+    plan = replace(stage("ended", 0), incidents=(Drawn("ended", 0.0, (*stick, end)),))
+    assert judged(plan) == set()
+    plan = replace(plan, incidents=(Drawn("ended", 0.0, (end,)),))
+    with broken("orderly end"):
+        assert any("told to end" in says for _, says in judged(plan))
+
+
 def test_a_stick_whose_first_m_kills_the_program_was_moved_in_that_instant() -> None:
     """As flight 6502 of seed 5515: moved before and let go; the next time its step is the last
     thing that is written, and its relay never leaves."""
