@@ -22,6 +22,7 @@ from links.simulated.settings import FaultEvent
 from mission.model import Step, Tx
 from mission.verification.campaign.audit import commands_of
 from mission.verification.campaign.depth_laws import DEPTH_FAULTS
+from mission.verification.campaign.excuses import beside
 from mission.verification.campaign.laws import Violation
 from mission.verification.campaign.story import Stay, Story, gaps
 from mission.verification.campaign.trial import FOREVER, fault_ends
@@ -108,7 +109,8 @@ def _false_alarm(story: Story, stay: Stay) -> Iterator[Violation]:
     names = {e.trigger for e in step.evaluations if e.result} if step is not None else set()
     if "limit depth" in names and not story.faulty(DEPTH_FAULTS, stay.end - 20.0, stay.end):
         bound = min(s.bounds.depth for s in story.spans if s.end >= stay.end - 8.0)
-        if story.deepest(stay.end - 8.0, stay.end) < bound + 0.5:
+        told = story.deepest(stay.end - 8.0, stay.end) + beside(story.settings)
+        if told < bound + 0.5:
             yield Violation(UNANSWERED, stay.end, "a limit of depth that was not passed")
     odd = [
         f for f in story.faults(("attitude_", "roll_"), 0.0, stay.end) if "full_scale" not in f.name
