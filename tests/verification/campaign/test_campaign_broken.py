@@ -17,11 +17,11 @@ from mission.authoring.check import check_mission
 from mission.authoring.compiler.compiler import compile_mission
 from mission.authoring.language import digest, script
 from mission.commands.faults import faults
-from mission.engine import monitor, vehicle_state
+from mission.engine import limits, monitor, vehicle_state
 from mission.engine.core import Core
 from mission.engine.limits import LIMITS
 from mission.engine.vehicle_state import VehicleState
-from mission.model import Health
+from mission.model import Health, Step
 from mission.model.shipped import load_vehicle
 from mission.onboard.runtime import frontseat
 from mission.verification.campaign.broken import BROKEN, broken
@@ -446,6 +446,25 @@ def test_what_is_told_to_end_as_the_stick_takes_over_is_brought_up_behind_the_st
     plan = replace(plan, incidents=(Drawn("ended", 0.0, (end,)),))
     with broken("orderly end"):
         assert any("told to end" in says for _, says in judged(plan))
+
+
+@pytest.mark.replaces
+def test_a_depth_limit_may_end_what_a_swell_and_the_air_alone_say_is_deeper(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    plan = stage("auto_closed", 0)  # holds 6 m
+    sea = replace(plan.settings.sea, waves=(1.0, 14.0))
+    errors = replace(plan.settings.errors, depth_bias=0.4)
+    plan = replace(plan, settings=replace(plan.settings, sea=sea, errors=errors))
+
+    def tightened(t: float) -> Plan:
+        return replace(plan, incidents=(Drawn("", 0.0, (say(t, b"@SP,,30,5.25,10,$"),)),))
+
+    trial = fly_plan(tightened(60.0), plan.vehicle)
+    assert any(isinstance(e, Step) and e.trigger == "limit" for e in trial.events)
+    assert judged(tightened(60.0)) == set()
+    monkeypatch.setattr(limits, "DEPTH_MARGIN", -5.0)
+    assert any("depth that was not passed" in says for _, says in judged(tightened(14.0)))
 
 
 def test_a_stick_whose_first_m_kills_the_program_was_moved_in_that_instant() -> None:
