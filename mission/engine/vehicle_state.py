@@ -40,7 +40,8 @@ _ESTIMATE_AGE = 2.5  # s: older, and it is reckoned on to now
 FIX_AGE = 5.0  # s: an older fix is none (R9)
 WRONG_FOR = 20.0  # s that a depth may have been wrong and was believed (R5)
 _NEAR = 1.0  # m: a report before the surface's 0.5 m, on the way up
-_TRAVELS, _TRAVELLED = 1.0, 10.0  # m of a depth whose zero is wrong, s ago: not at the surface
+_TRAVELS = 1.0  # m between two means of _SWELL, by a depth whose zero is wrong: no surface
+_SWELL, _EVERY, _GAP = 15.0, 0.9, 6.5  # s: waves even out; samples are as far apart, at least, most
 
 
 class VehicleState:
@@ -68,7 +69,7 @@ class VehicleState:
         self._received_at = -math.inf  # of the last news that is not the vehicle's own
         self.estimate: Estimate | None = None
         self.attitude = Attitude()
-        self._travelled = math.inf, -math.inf  # m, s: by a depth whose zero is wrong
+        self._swell: tuple[tuple[float, float], ...] = ()  # s, m: of a depth whose zero is wrong
         self.believed_depth: float | None = None  # the last one that could be believed
         self._believed_at = -math.inf
         self._deep_at = -math.inf  # of the last two reports, believed or not, where a fix is none
@@ -218,18 +219,30 @@ class VehicleState:
     def _proves_surface(self, fix: Fix) -> bool:
         """R7: a place that is news, unless a depth that is believed says otherwise. Where none is
         believed, or it has not changed yet, some seconds of fixes as at the surface while no depth
-        goes by metres, its zero right or wrong."""
+        goes up or down, its zero right or wrong."""
         depth = self.depth
         if depth is not None and (depth >= FIX_DEPTH or self.lives):
             return self.receiver.fresh and depth < FIX_DEPTH
-        stands = fix.t - self._travelled[1] >= _TRAVELLED
+        stands = self._stands(fix.t)
         return stands and self.receiver.at_surface(fix.t) and self._may_be_up(fix.t)
 
     def _notice_travel(self, now: float, depth: float | None) -> None:
         if depth is None:
-            self._travelled = math.inf, -math.inf
-        elif abs(depth - self._travelled[0]) > _TRAVELS:
-            self._travelled = depth, now
+            self._swell = ()
+        elif not self._swell or now - self._swell[-1][0] >= _EVERY:
+            kept = (sample for sample in self._swell if sample[0] >= now - 2.0 * _SWELL)
+            self._swell = (*kept, (now, depth))
+
+    def _stands(self, now: float) -> bool:
+        """Nothing goes up or down, slowly or in waves, by a depth whose zero is wrong, if reports
+        tell one."""
+        if not self._swell or now - self._swell[-1][0] > _SWELL:
+            return True
+        older = [depth for t, depth in self._swell if t < now - _SWELL]
+        newer = [depth for t, depth in self._swell if t >= now - _SWELL]
+        if not older or not newer or self._swell[0][0] > now - 2.0 * _SWELL + _GAP:
+            return False
+        return abs(sum(newer) / len(newer) - sum(older) / len(older)) < _TRAVELS
 
     def _may_be_up(self, now: float) -> bool:
         """An ascent has had the time that buoyancy takes from the deepest it can have begun at."""

@@ -265,8 +265,41 @@ def test_no_fix_proves_the_surface_while_a_depth_of_which_the_zero_is_wrong_goes
         told(vehicle_state, float(second), depth=25.0 + rate * second)
         vehicle_state.take_fix(fix(second + 0.5, north=float(second)))
     assert vehicle_state.fixed(40.0) is proves
-    for second in range(60, 80):  # it stands
+    for second in range(60, 95):  # it stands
         told(vehicle_state, float(second), depth=25.0 + rate * 60)
+        vehicle_state.take_fix(fix(second + 0.5, north=float(second)))
+    assert vehicle_state.fixed(60.0)
+
+
+@pytest.mark.parametrize("every", [0.2, 2.0, 2.6])
+@pytest.mark.parametrize("period", [5.0, 10.2, 12.0])
+@pytest.mark.parametrize(("rate", "proves"), [(0.13, False), (0.02, True)])
+def test_waves_hide_no_slow_way_up_by_a_depth_of_which_the_zero_is_wrong(
+    rate: float, proves: bool, period: float, every: float
+):
+    """A vehicle that full thrust just lifts, and a receiver that makes fixes up: it was let go 6 m deep."""
+    navigation = Navigation()
+    vehicle_state = told(VehicleState(navigation), 0.0, depth=5.0)
+    navigation.doubt["depth"] = "contradicted: it leapt by 20.0 m"
+    navigation.moves = True
+    vehicle_state.rising_since = 0.0
+    for report in range(1, round(150.0 / every)):
+        t = every * report
+        told(vehicle_state, t, depth=25.0 - rate * t + 0.55 * math.sin(math.tau * t / period))
+        if report % max(round(1.0 / every), 1) == 0:
+            vehicle_state.take_fix(fix(t + 0.1, north=t))
+    assert vehicle_state.fixed(35.0) is proves
+
+
+def test_a_depth_of_which_the_zero_is_wrong_says_nothing_of_the_surface_once_reports_have_ended():
+    navigation = Navigation()
+    vehicle_state = told(VehicleState(navigation), 0.0, depth=5.0)
+    navigation.doubt["depth"] = "contradicted: it leapt by 10.0 m"
+    navigation.moves = True
+    vehicle_state.rising_since = 0.0
+    for second in range(1, 60):
+        told(vehicle_state, float(second), depth=25.0 - 0.3 * second)
+    for second in range(60, 90):
         vehicle_state.take_fix(fix(second + 0.5, north=float(second)))
     assert vehicle_state.fixed(60.0)
 
