@@ -28,6 +28,7 @@ from mission.model import (
 )
 from mission.model.copies import copied
 from mission.model.vehicle import STALE_AFTER
+from mission.navigation.belief import EVERY, GAP
 from mission.navigation.fixes import FIX_DEPTH, HOME_OF, Receiver, home_of
 from protocol.messages import Aid, Fix, Order, Setpoint, Telemetry
 
@@ -41,7 +42,7 @@ FIX_AGE = 5.0  # s: an older fix is none (R9)
 WRONG_FOR = 20.0  # s that a depth may have been wrong and was believed (R5)
 _NEAR = 1.0  # m: a report before the surface's 0.5 m, on the way up
 _TRAVELS = 1.0  # m between two means of _SWELL, by a depth whose zero is wrong: no surface
-_SWELL, _EVERY, _GAP = 15.0, 0.9, 6.5  # s: waves even out; samples are as far apart, at least, most
+_SWELL = 15.0  # s: waves even out
 
 
 class VehicleState:
@@ -229,7 +230,7 @@ class VehicleState:
     def _notice_travel(self, now: float, depth: float | None) -> None:
         if depth is None:
             self._swell = ()
-        elif not self._swell or now - self._swell[-1][0] >= _EVERY:
+        elif not self._swell or now - self._swell[-1][0] >= EVERY:
             kept = (sample for sample in self._swell if sample[0] >= now - 2.0 * _SWELL)
             self._swell = (*kept, (now, depth))
 
@@ -238,10 +239,10 @@ class VehicleState:
         tell one."""
         if not self._swell or now - self._swell[-1][0] > _SWELL:
             return True
+        if self._swell[0][0] > now - 2.0 * _SWELL + GAP:
+            return False
         older = [depth for t, depth in self._swell if t < now - _SWELL]
         newer = [depth for t, depth in self._swell if t >= now - _SWELL]
-        if not older or not newer or self._swell[0][0] > now - 2.0 * _SWELL + _GAP:
-            return False
         return abs(sum(newer) / len(newer) - sum(older) / len(older)) < _TRAVELS
 
     def _may_be_up(self, now: float) -> bool:

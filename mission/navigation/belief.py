@@ -58,7 +58,7 @@ _AT_REST = 45.0  # s since the depth moved: a slow altimeter has followed by the
 _MOVED = 0.5  # m that a depth must have moved to be believed again
 _FOLLOWS = 1.0  # m between the halves that are the vehicle's own way
 _LAPSE = 3.5  # s since the report before: longer, and a stick may have had it meanwhile
-_EVERY, _GAP = 0.9, 6.5  # s: reports that are used, and the longest between two
+EVERY, GAP = 0.9, 6.5  # s: reports that are used, and the longest between two
 
 UNPUSHED = Vertical(None, None)
 
@@ -111,9 +111,9 @@ class DepthBelief:
         ``altitude`` is None where it says nothing new."""
         samples = self._samples
         since = t - samples[-1].t if samples else math.inf
-        if since < _EVERY:
+        if since < EVERY:
             return
-        if since > _GAP:
+        if since > GAP:
             samples, self._pushed_at, self._moved_at, self.follows = (), t, t, False
             self._calm_at = self._still_at = math.inf
         kept = [s for s in samples if s.t >= t - WINDOW - 1e-6]
@@ -172,8 +172,8 @@ class DepthBelief:
         before = _mean([s.depth for s in samples[:half]])
         after = _mean([s.depth for s in samples[half:]])
         if abs(after - before) >= 2.0 * STANDS:  # it dives: no crawl, no wave, no noise
-            near = [s for s in samples if s.altitude is not None and s.altitude <= _GROUND]
-            ground = _mean([s.depth + (s.altitude or 0.0) for s in near])
+            heard = [(s.depth, s.altitude) for s in samples if s.altitude is not None]
+            ground = _mean([under + above for under, above in heard if above <= _GROUND])
             least, most = min(least, ground), max(most, ground)
             self._heard_from = least, most
         self._grounded_at = t if most - least <= _UNEVEN else -math.inf

@@ -250,17 +250,23 @@ def test_a_fix_proves_nothing_against_a_believed_depth_under_water(depth: float,
     assert (vehicle_state.fix is not None) is proves
 
 
+def rising_behind_a_leap(*, moves: bool = True) -> VehicleState:
+    """In an ascent, by a depth of which the zero is wrong; ``moves`` as the vehicle does."""
+    navigation = Navigation()
+    vehicle_state = told(VehicleState(navigation), 0.0, depth=5.0)
+    navigation.doubt["depth"] = "contradicted: it leapt by 10.0 m"
+    navigation.moves = moves
+    vehicle_state.rising_since = 0.0
+    return vehicle_state
+
+
 @pytest.mark.parametrize(
     ("rate", "moves", "proves"), [(-0.3, True, False), (-0.05, True, True), (-0.3, False, True)]
 )
 def test_no_fix_proves_the_surface_while_a_depth_of_which_the_zero_is_wrong_goes_by_metres(
     rate: float, moves: bool, proves: bool
 ):
-    navigation = Navigation()
-    vehicle_state = told(VehicleState(navigation), 0.0, depth=5.0)
-    navigation.doubt["depth"] = "contradicted: it leapt by 10.0 m"
-    navigation.moves = moves
-    vehicle_state.rising_since = 0.0
+    vehicle_state = rising_behind_a_leap(moves=moves)
     for second in range(1, 60):
         told(vehicle_state, float(second), depth=25.0 + rate * second)
         vehicle_state.take_fix(fix(second + 0.5, north=float(second)))
@@ -278,11 +284,7 @@ def test_waves_hide_no_slow_way_up_by_a_depth_of_which_the_zero_is_wrong(
     rate: float, proves: bool, period: float, every: float
 ):
     """A vehicle that full thrust just lifts, and a receiver that makes fixes up: it was let go 6 m deep."""
-    navigation = Navigation()
-    vehicle_state = told(VehicleState(navigation), 0.0, depth=5.0)
-    navigation.doubt["depth"] = "contradicted: it leapt by 20.0 m"
-    navigation.moves = True
-    vehicle_state.rising_since = 0.0
+    vehicle_state = rising_behind_a_leap()
     for report in range(1, round(150.0 / every)):
         t = every * report
         told(vehicle_state, t, depth=25.0 - rate * t + 0.55 * math.sin(math.tau * t / period))
@@ -292,11 +294,7 @@ def test_waves_hide_no_slow_way_up_by_a_depth_of_which_the_zero_is_wrong(
 
 
 def test_a_depth_of_which_the_zero_is_wrong_says_nothing_of_the_surface_once_reports_have_ended():
-    navigation = Navigation()
-    vehicle_state = told(VehicleState(navigation), 0.0, depth=5.0)
-    navigation.doubt["depth"] = "contradicted: it leapt by 10.0 m"
-    navigation.moves = True
-    vehicle_state.rising_since = 0.0
+    vehicle_state = rising_behind_a_leap()
     for second in range(1, 60):
         told(vehicle_state, float(second), depth=25.0 - 0.3 * second)
     for second in range(60, 90):
