@@ -53,7 +53,10 @@ _HAD = 60.0  # s ago at most, that there were some
 _BODY = 1.25  # m/s: no body is faster up or down
 _CLOSING = 1.7  # m between the halves: 1 m, and a slope of 30 % under a drift of 0.3 m/s
 _SLOWLY = 3.0  # m in any time, while nothing drives: a drift of 0.2 m/s over a slope of 15 m
-_EVENLY = 1.0, 0.4  # m/s and m: what is more at once is a step of the ground
+_EVENLY = 1.0, 0.4  # m/s and m: what is more at once is a step of the ground ...
+_ALL_ALONG = (
+    1.5  # ... and so is less: the whole way by the halves' own, 2 of an even one, 1 of a step
+)
 _AT_REST = 45.0  # s since the depth moved: a slow altimeter has followed by then
 _MOVED = 0.5  # m that a depth must have moved to be believed again
 _FOLLOWS = 1.0  # m between the halves that are the vehicle's own way
@@ -262,7 +265,8 @@ class DepthBelief:
             if not -noise <= (a - b) * way <= rate * (bt - at) + noise:
                 self._ground_from = None
                 return 0.0
-        if nearer >= _CLOSING or (nearer <= -_CLOSING and not afloat):
+        all_along = (seen[0][1] - seen[-1][1]) * way >= _ALL_ALONG * abs(nearer)
+        if all_along and (nearer >= _CLOSING or (nearer <= -_CLOSING and not afloat)):
             return nearer
         return self._slowly(t, _mean(newer), afloat)
 

@@ -270,6 +270,14 @@ def test_noise_of_an_altimeter_makes_no_other_ground(seed):
     assert dive.go(1200.0, DOWN, at(9.8), near(dive)) == ""
 
 
+@pytest.mark.parametrize("step", [-2.4, 2.4])
+def test_a_ledge_under_what_floats_is_natural(step):
+    """One step between two reports, as slow as 1 m/s and 0.4 m allow."""
+    dive = Dive(noise=0.05)
+    assert dive.go(60.0, REST, at(0.2), at(32.0), fixes=True) == ""
+    assert dive.go(60.0, REST, at(0.2), at(32.0 + step), fixes=True) == ""
+
+
 def test_ground_that_was_heard_far_off_in_between_is_another_one():
     dive = Dive(noise=0.03)
     dive.go(60.0, DOWN, at(6.0), at(0.3))

@@ -326,15 +326,13 @@ def _one_commands(story: Story) -> Iterator[Violation]:
         elif isinstance(event, Tx) and (accepted := _ACCEPTED.search(event.data)):
             if event.link == MODEM:
                 by_modem[accepted[0]] = event.t
-            if event.link != TOPSIDE or event.t - by_modem.get(accepted[0], -math.inf) < _COPY:
-                continue  # R12: of what was said by modem a copy is answered as done
             other = commander and event.address != commander and event.t - heard < _COMMANDS
-            asked = free.get(event.address, -math.inf)
-            if (
-                other
-                and event.t - asked > _RELAYED
-                and not story.hindered(event.t - _COMMANDS, event.t)
-            ):
+            # Asked before an X or W of another: it gives nothing back.
+            relayed = other and event.t - free.get(event.address, -math.inf) <= _RELAYED
+            copied = event.t - by_modem.get(accepted[0], -math.inf) < _COPY
+            if event.link != TOPSIDE or relayed or copied:
+                continue  # R12: of what was said by modem a copy is answered as done
+            if other and not story.hindered(event.t - _COMMANDS, event.t):
                 says = f"{event.data!r} to {event.address!r} while {commander!r} commands"
                 yield Violation(UNLAWFUL, event.t, says)
             commander, heard = event.address, event.t
