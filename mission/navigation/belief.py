@@ -54,9 +54,7 @@ _BODY = 1.25  # m/s: no body is faster up or down
 _CLOSING = 1.7  # m between the halves: 1 m, and a slope of 30 % under a drift of 0.3 m/s
 _SLOWLY = 3.0  # m in any time, while nothing drives: a drift of 0.2 m/s over a slope of 15 m
 _EVENLY = 1.0, 0.4  # m/s and m: what is more at once is a step of the ground ...
-_ALL_ALONG = (
-    1.5  # ... and so is less: the whole way by the halves' own, 2 of an even one, 1 of a step
-)
+_ALL_ALONG = 1.5  # ... or what is less in the halves: an even way is 2 of theirs, a step is 1
 _AT_REST = 45.0  # s since the depth moved: a slow altimeter has followed by then
 _MOVED = 0.5  # m that a depth must have moved to be believed again
 _FOLLOWS = 1.0  # m between the halves that are the vehicle's own way
