@@ -34,7 +34,9 @@ from protocol.messages import Aid, Fix, Order, Setpoint, Telemetry
 
 SURFACE_DEPTH = 0.5  # m (R7)
 IN_AIR = -FIX_DEPTH  # m: no zero of a sensor to go by is off by as much (R5)
-SURFACE_TIME = 6.0  # s (R7)
+SURFACE_TIME = 6.0  # s (R7) ...
+_STILL_RISES = 0.25  # m less deep than as these began: it is not at the surface yet
+_PUSHED_DOWN = 0.5  # share of full thrust, as reported: nothing stays at the surface
 _ALL = 0.75  # share of full thrust: as deep, or as high, as it goes
 _POSITION_PERIOD = 1.0  # s: the errors of one second's positions are one error
 _ESTIMATE_AGE = 2.5  # s: older, and it is reckoned on to now
@@ -81,6 +83,7 @@ class VehicleState:
         self._position_at = -math.inf  # of the vehicle's own positions, the last one used
         self._shallow_since: float | None = -math.inf if grounded else None
         self._shallow_from: float | None = None  # the first such depth, until there is another
+        self._shallow_at = 0.0  # m, as that began
         self._told: tuple[float | None, float] = None, -math.inf  # the last depth to believe; s
         self._standing = Standing(stale_after)
         self._moved_at = self._expected = -math.inf  # it changed; from then on it has to
@@ -130,18 +133,30 @@ class VehicleState:
         self._deep = deep
         if lives:
             self.believed_depth, self._believed_at = depth, report.t
-        if depth is None or not IN_AIR < depth < SURFACE_DEPTH or not lives:
-            self._shallow_since = None
-        elif self._shallow_since is None or (silent and not self._grounded):
-            near = not silent and SURFACE_DEPTH <= (before or 0.0) < _NEAR  # it came from there
-            self._shallow_since, self._shallow_from = report.t, None if near else depth
-        elif depth == self._shallow_from:
-            self._shallow_since = report.t  # what it may have died with proves nothing
-        else:
-            self._shallow_from = None
+        if not self._grounded:
+            dives = (downward(report) or 0.0) >= _PUSHED_DOWN and not self.overturned
+            shallow = lives and not dives and depth is not None and IN_AIR < depth < SURFACE_DEPTH
+            self._notice_surface(report.t, depth if shallow else None, before, silent)
         true = self.estimate.heading if self.estimate else None
         if report.heading is not None and true is not None and self.health("heading").valid:
             self._offset = wrap(report.heading - true)
+
+    def _notice_surface(
+        self, now: float, depth: float | None, before: float | None, silent: bool
+    ) -> None:
+        """``depth`` as at the surface, else None; the one ``before``, if it was believed."""
+        if depth is None:
+            self._shallow_since = None
+        elif self._shallow_since is None or silent:
+            near = not silent and SURFACE_DEPTH <= (before or 0.0) < _NEAR  # it came from there
+            self._shallow_since, self._shallow_from = now, None if near else depth
+            self._shallow_at = depth
+        elif depth == self._shallow_from:
+            self._shallow_since = now  # what it may have died with proves nothing
+        else:
+            self._shallow_from = None
+            if depth < self._shallow_at - _STILL_RISES:
+                self._shallow_since, self._shallow_at = now, depth
 
     def _was_silent(self, report: Telemetry) -> bool:
         """What it said before is too long ago to go on from (R7)."""

@@ -57,7 +57,8 @@ _EVENLY = 1.0, 0.4  # m/s and m: what is more at once is a step of the ground ..
 _ALL_ALONG = 1.5  # ... or what is less in the halves: an even way is 2 of theirs, a step is 1
 _AT_REST = 45.0  # s since the depth moved: a slow altimeter has followed by then
 _MOVED = 0.5  # m that a depth must have moved to be believed again
-_FOLLOWS = 1.0  # m between the halves that are the vehicle's own way
+_FOLLOWS = 1.0  # m between the halves that are the vehicle's own way ...
+_SINKS = 2.0  # m ... or downward in any time, while nothing pushes and no fixes come
 _LAPSE = 3.5  # s since the report before: longer, and a stick may have had it meanwhile
 EVERY, GAP = 0.9, 6.5  # s: reports that are used, and the longest between two
 
@@ -88,6 +89,7 @@ class DepthBelief:
         self._ground_from: tuple[float, float] | None = None  # s, m: of a ground that moves slowly
         self._doubted_at = -math.inf
         self._low = self._high = math.nan  # of its means, since then
+        self._sinks_from = math.inf  # the least of them, since it may sink slowly
         self._afloat, self._lifted = (math.inf, math.inf), 0.0  # since when, from what depth; s
 
     def clone(self) -> Self:
@@ -97,6 +99,7 @@ class DepthBelief:
         """The sensor has come back elsewhere, by so many metres: what leaps is not clogged."""
         self._contradict(t, f"it leapt by {by:.1f} m", moves=False)
         self._low, self._moves, self.follows = -math.inf, False, False
+        self._sinks_from = math.inf
         self._by_fixes = self._is_offset = False
 
     def take(
@@ -116,6 +119,7 @@ class DepthBelief:
             return
         if since > GAP:
             samples, self._pushed_at, self._moved_at, self.follows = (), t, t, False
+            self._sinks_from = math.inf
             self._calm_at = self._still_at = math.inf
         kept = [s for s in samples if s.t >= t - WINDOW - 1e-6]
         self._samples = (*kept, _Sample(t, depth, altitude))
@@ -283,6 +287,7 @@ class DepthBelief:
             self.reason, self._moves, self._doubted_at = f"{CONTRADICTED}: {why}", moves, t
             self._by_fixes = self._is_offset = False
             self._low, self._high, self.follows = math.inf, -math.inf, False
+            self._sinks_from = math.inf
 
     # --- belief ----------------------------------------------------------------------------------
 
@@ -290,7 +295,7 @@ class DepthBelief:
         if self._samples[0].t < self._doubted_at:
             return
         self._low, self._high = min(self._low, mean), max(self._high, mean)
-        if self._moves_along(moved):
+        if self._moves_along(moved) or self._sinks(t, mean, moved, receiver):
             self.follows = True
         elif abs(moved) < STANDS and self._way and self._pushed_at <= t - WINDOW + 1e-6:
             self.follows = False
@@ -307,6 +312,13 @@ class DepthBelief:
         """The way the verticals push, or either way where nothing does."""
         calm = self._way == 0 and self._calm_at <= self._samples[0].t
         return self._travels(moved) and (moved * self._way > 0.0 or calm)
+
+    def _sinks(self, t: float, mean: float, moved: float, receiver: Receiver) -> bool:
+        """Slowly, as what is hardly too heavy does. A metre in the window is no slow way."""
+        calm = self._way == 0 and self._calm_at < math.inf and abs(moved) < _FOLLOWS
+        at_rest = calm and receiver.settled(t) <= 0.0
+        self._sinks_from = min(self._sinks_from, mean) if at_rest else math.inf
+        return at_rest and mean - self._sinks_from >= _SINKS
 
     def _travels(self, moved: float) -> bool:
         """As a body does: by a metre, and without a step that none makes."""

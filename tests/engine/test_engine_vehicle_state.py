@@ -221,6 +221,32 @@ def test_the_surface_is_proved_by_six_seconds_of_shallow_reports_after_it_was_as
     assert vehicle_state.surface_due(3.0) is None
 
 
+@pytest.mark.parametrize("every", [0.2, 2.0])
+@pytest.mark.parametrize("rate", [0.05, 0.1, 0.25])
+def test_a_depth_that_still_rises_proves_no_surface(every: float, rate: float):
+    """Its zero is off by a metre and a half, or drifts: up is what rises no more."""
+    vehicle_state = VehicleState(Navigation())
+    steps = int(1.35 / rate / every)  # from 0.6 m to what no depth at the surface is
+    for i in range(steps):
+        told(vehicle_state, i * every, depth=0.6 - rate * i * every)
+        assert not vehicle_state.surfaced(0.0)
+    end = steps * every
+    while vehicle_state.now < end + 6.0 + every:
+        told(vehicle_state, vehicle_state.now + every, depth=0.1 + 0.01 * (vehicle_state.now % 3.0))
+    assert vehicle_state.surfaced(end)
+
+
+@pytest.mark.parametrize(
+    ("vertical", "up"), [(-1.0, False), (-0.5, False), (-0.4, True), (1.0, True)]
+)
+def test_a_shallow_depth_proves_no_surface_while_the_verticals_push_down(vertical: float, up: bool):
+    """As of a board that dives by itself: what were at the surface would go under."""
+    vehicle_state = VehicleState(Navigation())
+    for t in range(0, 20, 2):
+        told(vehicle_state, float(t), actuators=(0.0, 0.0, *[vertical] * 3, 0.0, 0.0))
+    assert vehicle_state.surfaced(0.0) is up
+
+
 def test_a_depth_that_is_not_to_be_believed_proves_no_surface_and_begins_anew():
     navigation = Navigation()
     vehicle_state = told(VehicleState(navigation), 10.0)

@@ -406,6 +406,34 @@ def test_what_was_clogged_and_sinks_when_nothing_pushes_is_believed():
     assert dive.go(24.0, REST, sinking(0.2, 4.2)) == ""
 
 
+@pytest.mark.parametrize("rate", [0.018, 0.06, 0.12])
+def test_what_is_hardly_too_heavy_sinks_by_a_depth_that_is_believed_again(rate):
+    """No metre in 7 s, and tens of metres in half an hour: nobody would see it go."""
+    dive = Dive(noise=0.3)
+    assert dive.go(20.0, DOWN, at(0.2)).startswith("contradicted: the verticals push down")
+    assert dive.go(20.0 + 2.8 / rate, REST, sinking(rate)) == ""
+
+
+def test_a_swell_and_a_slow_rise_are_no_way_down():
+    for waves in (lambda s: 0.2 + 0.75 * math.sin(s / 2.2), sinking(-0.05, 20.0)):
+        dive = Dive(noise=0.1)
+        dive.go(20.0, DOWN, at(waves(0.0)))
+        assert dive.go(380.0, REST, waves)
+        assert not dive.belief.follows
+
+
+def test_an_offset_that_comes_at_once_is_no_slow_way_down():
+    dive = contradicted()
+    dive.go(60.0, REST, at(4.2))
+    assert dive.go(600.0, REST, at(7.9))
+
+
+def test_what_fixes_come_from_does_not_sink():
+    dive = Dive(noise=0.05)
+    dive.go(20.0, DOWN, at(0.2))
+    assert dive.go(400.0, REST, sinking(0.02), fixes=True)
+
+
 def test_a_leap_to_the_surface_is_movement_enough_for_ten_seconds_of_fixes():
     dive = contradicted()
     dive.belief.leap(dive.t, -4.0)

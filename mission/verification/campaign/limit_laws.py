@@ -37,6 +37,7 @@ _CLOGGED = 6.5  # m
 _TOPSIDE = 1.0  # s
 _LOST = 12  # frames: three commands of three tries, and one that a set replaced
 _LOST_OF_ONE, _LAST = 5, "3 of 3)"  # commands of one word: three, and what a set replaced
+_APART = 60.0  # s at most from one of those to the next (R8)
 _BATTERY = {  # V below the bound, and s until that is known: 10 s, and three reports; or noise
     "battery_low": (0.6, 16.0),
     "battery_flickers": (1.5, 120.0),
@@ -163,7 +164,9 @@ def _one_unanswered(story: Story, begin: float, end: float) -> Iterator[Violatio
         if first < len(answers) and answers[first] <= due:
             lost.pop(word.data[:4], None)
         elif word.reason.endswith(_LAST) and _asks(story, word):
-            lost.setdefault(word.data[:4], []).append(word.t)
+            before = lost.get(word.data[:4], [])
+            near = before and word.t - before[-1] <= _APART
+            lost[word.data[:4]] = [*(before if near else []), word.t]
         since = lost.get(word.data[:4], [])
         late = len(since) >= _LOST_OF_ONE and end > word.t + 1.0
         others = late and bisect.bisect_right(answers, since[0]) < first

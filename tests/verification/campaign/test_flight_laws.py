@@ -13,12 +13,12 @@ from mission.engine import engine
 from mission.engine.core import Core
 from mission.engine.restart import begin_again
 from mission.engine.watch import Watch
-from mission.model import STOPPED, SURFACED, SURFACING, Restarted, Step
+from mission.model import STOPPED, SURFACED, SURFACING, Restarted, Step, Tx
 from mission.onboard.runtime.operator_server import OperatorServer
 from mission.onboard.runtime.situation import Situation
 from mission.verification.campaign.broken import broken
 from mission.verification.campaign.draw import Drawn, Plan, stage
-from mission.verification.campaign.faults import fly_plan, result_of
+from mission.verification.campaign.faults import fly_plan, result_of, shipped, subjects
 from mission.verification.campaign.leg_laws import waits
 from mission.verification.campaign.reports import Report
 from mission.verification.campaign.scene import DOWN, X, repeated, say
@@ -87,6 +87,16 @@ def test_one_word_that_is_never_answered_among_others_is_seen(
     monkeypatch.setattr(Watch, "unanswered", property(lambda watch: watch.lost))
     says = f"unanswered: {letter.upper()} without an answer 5 times, and still autonomous"
     assert says in judged(plan)
+
+
+def test_one_word_that_legs_say_minutes_apart_without_an_answer_ends_no_mission() -> None:
+    """R8: a minute at most lies between two of them. Five rows end with a W, 200 s apart."""
+    rows = [path for path in shipped() if path.stem == "lawnmower"]
+    plan = replace(faulty("swept_away", "deaf_to_w@2+1000000"), subject=subjects(rows)[0], scene="")
+    trace = fly_plan(plan, plan.vehicle)
+    said = [e.t for e in trace.events if isinstance(e, Tx) and e.data == b"@ZAWF$"]
+    assert len(said) >= 15
+    assert result_of(plan, trace, plan.vehicle, plan.profile).violations == ()
 
 
 @pytest.mark.parametrize("degrees", [70, 95, 105, 115, 125, 180])
