@@ -10,7 +10,8 @@ bound of its normalised innovation squared: an outlier is neither. The way back 
 that the filter would not believe: ``opens`` values in a row beyond the bound, all off by as much
 and not all the same to the last bit, widen what they speak of. The speed through the water opens
 nothing: what it would tell fades within half a minute by itself. What says the same to the last bit
-while the vehicle's way has changed is frozen, and counts for nothing.
+while the vehicle's way has changed is frozen, and counts for nothing; a speed so, too, that first
+came while it gathered way or turned, or that is the first of all.
 
 What does not live here: bytes (protocol.added), when it is used (reckoner), the equations (hull).
 """
@@ -65,7 +66,7 @@ ADDED: Mapping[str, Added] = MappingProxyType(
 class Seen(NamedTuple):
     """What is remembered of one sensor: its last value, how often in a row it has come, and how the
     vehicle moved when it first did; when and by how much the last ones were off; how many in a row
-    were beyond the gate."""
+    were beyond the gate; whether the last value is another than one before, of a steady course."""
 
     values: tuple[float, ...] = ()
     same: int = 0
@@ -73,19 +74,21 @@ class Seen(NamedTuple):
     heading: float = 0.0
     off: tuple[tuple[float, tuple[float, ...]], ...] = ()
     refused: int = 0
+    lives: bool = False
 
-    def heard(self, a: Aiding, run: Motion) -> Seen:
+    def heard(self, a: Aiding, run: Motion, *, steady: bool) -> Seen:
         if a.values == self.values:
             return self._replace(same=self.same + 1)
-        return Seen(a.values, 1, run.expected, run.heading, self.off, self.refused)
+        lives = steady and self.same > 0
+        return Seen(a.values, 1, run.expected, run.heading, self.off, self.refused, lives)
 
     def frozen(self, kind: str, run: Motion) -> bool:
         if self.same < _SAME:
             return False
         if kind in (PLACE, RANGE):
             return abs(run.expected) > _OTHER_SPEED
-        turned = abs(math.remainder(run.heading - self.heading, 2.0 * math.pi))
-        return abs(run.expected - self.speed) > _OTHER_SPEED or turned > _OTHER_WAY
+        turned = abs(math.remainder(run.heading - self.heading, 2.0 * math.pi)) > _OTHER_WAY
+        return turned or abs(run.expected - self.speed) > _OTHER_SPEED or not self.lives
 
     def noted(self, t: float, off: tuple[float, ...]) -> Seen:
         return self._replace(off=(*self.off, (t, off))[-_REMEMBERED:])

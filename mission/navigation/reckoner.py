@@ -330,10 +330,11 @@ class Reckoner:
         else:
             self._use(a)
 
-    def _use(self, a: Aiding) -> None:
+    def _use(self, a: Aiding, *, steady: bool = True) -> None:
+        """Else it is heard, for it may have frozen on a bend, and teaches nothing."""
         run = self.run(a.t, a.t)
-        seen = self._added.get(a.key, Seen()).heard(a, run)
-        if not seen.frozen(a.kind, run):
+        seen = self._added.get(a.key, Seen()).heard(a, run, steady=steady)
+        if steady and not seen.frozen(a.kind, run):
             seen = seen.noted(a.t, tuple(innovation(self.filter, a, run).y.tolist()))
             if seen.confirmed(a):
                 seen = seen._replace(refused=self._corrected(a, run, seen))
@@ -368,8 +369,7 @@ class Reckoner:
         waiting, self._waiting = self._waiting, ()
         steady = steady and self._motion.heading is not None
         for a in waiting:
-            if steady and self.run(a.t, a.t).lost == 0.0:
-                self._use(a)
+            self._use(a, steady=steady and self.run(a.t, a.t).lost == 0.0)
 
     def _velocities(self, before: float) -> None:
         """Takes in what receivers said of speed and course since the report before.

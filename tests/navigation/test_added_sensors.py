@@ -185,6 +185,34 @@ def test_a_sensor_that_froze_while_its_line_was_away_is_not_believed_in_the_end(
     assert error(list(frozen())) < 1.3 * error(under_water(told(""))) + 3.0
 
 
+@pytest.mark.parametrize("sets_off", [True, False])
+def test_a_doppler_log_that_froze_before_it_was_heard_on_a_steady_course_teaches_nothing(
+    sets_off: bool,
+) -> None:
+    """At rest, as gear is given; or it froze before the program began. It says half the speed."""
+
+    def said(frozen: bool) -> Iterator[Said]:
+        for truth, item in sail(SEA, 8.0, 80.0, 3):
+            if sets_off and isinstance(item, Telemetry) and item.t < 8.0:
+                item = item._replace(actuators=(0.0,) * 5)
+            yield item
+            if frozen and isinstance(item, Telemetry) and truth.t < 84.0:
+                yield Aid(item.t + 0.3, "ground", (0.5, 0.0))
+
+    found, without = (
+        navigated(i for i in said(f) if i.t < 84.0).estimate(84.0) for f in (True, False)
+    )
+    assert found is not None
+    assert without is not None
+    assert math.hypot(found.north - without.north, found.east - without.east) < 1.0
+
+
+def test_a_doppler_log_that_freezes_on_the_bend_into_a_dive_teaches_nothing_of_the_current() -> (
+    None
+):
+    assert flown("doppler=0.03", "added_lie=frozen@8") < 1.2 * flown()
+
+
 @pytest.mark.parametrize("kind", ["ground", "place", "range"])
 def test_an_honest_sensor_that_was_not_believed_is_believed_again(kind: str) -> None:
     def late() -> Iterator[Said]:

@@ -123,7 +123,7 @@ class Program:
 
     def end(self, now: float, *, at_once: bool = False) -> list[Tx]:
         """As by SIGTERM: it dies by itself when the vehicle needs nobody (serve: leaving)."""
-        if at_once and self._leaves is None:
+        if self.runtime is None or (at_once and self._leaves is None):
             return []
         self._leaves = now if at_once else now + LEAVES_WITHIN
         out = self._shifted(partial(Runtime.end, at_once=at_once), now)

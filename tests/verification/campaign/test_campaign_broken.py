@@ -421,6 +421,9 @@ def test_a_depth_that_drifts_into_the_air_ends_no_ascent(monkeypatch: pytest.Mon
     settings = replace(plan.settings, faults=(drifts,))
     plan = replace(plan, settings=settings, incidents=(words,))
     assert judged(plan) == set()
+    monkeypatch.setattr(vehicle_state, "_STILL_RISES", math.inf)
+    monkeypatch.setattr(vehicle_state, "_PUSHED_DOWN", math.inf)
+    assert judged(plan) == set()
     monkeypatch.setattr(vehicle_state, "IN_AIR", -math.inf)
     assert any("told to end" in says for _, says in judged(plan))
 
@@ -435,6 +438,14 @@ def test_of_a_program_that_is_dead_when_it_is_told_to_end_no_word_is_asked() -> 
     with broken("orderly end"):
         found = judged(replace(plan, incidents=(told,)))
     assert any("told to end" in says for _, says in found)
+
+
+def test_who_is_dead_cannot_be_told_to_end_at_once() -> None:
+    """As flight 1204 of seed 10015: killed, told to end, told to hurry; and begun anew."""
+    plan = stage("ended", 0)
+    acts = (Act.KILL, 50.1), (Act.END, 50.3), (Act.HURRY, 51.1), (Act.BOOT, 57.6), (Act.JOIN, 61.6)
+    dead = Drawn("ended", 0.0, tuple(Disturbance(t, act) for act, t in acts))
+    assert judged(replace(plan, incidents=(dead,))) == set()
 
 
 def test_what_is_told_to_end_as_the_stick_takes_over_is_brought_up_behind_the_stick() -> None:
