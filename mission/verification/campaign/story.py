@@ -256,6 +256,8 @@ class Story:
         kind = fault.name.removeprefix("depth_")
         if kind in ("frozen", "silent", "intermittent"):
             return abs(self.depth(over) - self.depth(fault.begin))
+        if kind == "dead":  # it says 0, and leaps both ways
+            return max(self.depth(fault.begin), self.depth(over))
         return math.inf if kind.startswith(_LOOKS_WELL) else 0.0
 
     def _has_shown(self, begin: float, end: float) -> bool:

@@ -99,6 +99,17 @@ def test_one_word_that_legs_say_minutes_apart_without_an_answer_ends_no_mission(
     assert result_of(plan, trace, plan.vehicle, plan.profile).violations == ()
 
 
+def test_a_depth_that_was_dead_and_has_not_shown_the_surface_yet_tells_nothing() -> None:
+    """As flight 982 of seed 10116: 0 from 6 m on, and back 20 s before the stick takes over."""
+    faults = "fault=depth_dead@35.4+99.5", "fault=heavy=18.4@86+1000000"
+    staged, settings = stage("held_and_then", 0), parse_settings(["waves=0.3@6", *faults])
+    held = say(36.0, b"@ZAWF$"), *repeated(157.0, 163.0, 0.2, b"@MMF2$")
+    sea = replace(staged.settings.sea, waves=settings.sea.waves)
+    settings = replace(staged.settings, faults=settings.faults, sea=sea)
+    plan = replace(staged, settings=settings, profile="as-built", incidents=(Drawn("", 0.0, held),))
+    assert judged(plan) == []
+
+
 @pytest.mark.parametrize("degrees", [70, 95, 105, 115, 125, 180])
 def test_a_list_that_shifted_weight_holds_ends_a_mission_and_comes_up(degrees: int) -> None:
     plan = faulty("brown_out", f"listing={degrees}@60+1000000")
