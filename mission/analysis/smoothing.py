@@ -101,9 +101,9 @@ class TapedFilter(Filter):
         self.innovations.append(found)
         return found
 
-    def widen(self, factor: float) -> None:
+    def widen(self, factor: float, *, still: bool) -> None:
         before = self.kalman.P
-        super().widen(factor)
+        super().widen(factor, still=still)
         self._account(before)
 
     def loosen(self, variance: float) -> None:

@@ -73,6 +73,7 @@ class Ascent:
             "_shallowest",
             "_since",
             "_start_depth",
+            "_turned",
             "_ways",
         ),
         *("_turn", "began", "push", "way", "why"),
@@ -96,6 +97,7 @@ class Ascent:
         self._dark, self._let_go = False, 0  # neither depth nor attitude; times let go so
         self._kept = False  # the way in use has made the depth fall
         self._heard = False  # an operator has said W in its turn
+        self._turned = False  # it goes on since it had turned round, and has to rise by now
         self._before: float | None = None  # the deepest of the turn before, that was of this way
         self._least: tuple[float | None, ...] = ()  # the shallowest of each of its last turns
         self._begin_turn(now, depth)
@@ -191,7 +193,8 @@ class Ascent:
             rises = False  # noise alone makes one turn's rise now and then, but not two turns'
         rises = rises and self._gains()
         self._kept = self._kept or rises
-        return rises or (sank > DEEPER and fallen >= ROUND)
+        self._turned = not rises and not self._turned and sank > DEEPER and fallen >= ROUND
+        return rises or self._turned
 
     def _gains(self) -> bool:
         """The turn is shallower than the one before, and by twice as much than the one before that:
@@ -213,6 +216,7 @@ class Ascent:
 
     def _change(self, now: float, depth: float | None, overturned: bool) -> None:
         """Begins the turn of the next way."""
+        self._turned = False
         driven, turn = self._has_led_deeper(depth), TURN
         self._at = self._next(depth, overturned)
         self.way = self._ways[self._at]

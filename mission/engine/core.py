@@ -23,6 +23,7 @@ from mission.model import (
     IDLE_READY,
     MANUAL_DRIVING,
     MANUAL_WAITING,
+    NEARS_GROUND,
     STOPPED,
     SURFACED,
     SURFACING,
@@ -293,7 +294,8 @@ class Core(Flying):
         if not (self.active == SURFACED or self.region == IDLE):
             return math.inf, ""
         due, ended = fixes_end(state.receiver, since)
-        if self.hold is None and max(due, self.now) > since + UNSEEN:
+        nears = NEARS_GROUND in state.contradicted  # what floats and loses its fixes does not
+        if self.hold is None and not nears and max(due, self.now) > since + UNSEEN:
             return math.inf, ""
         return due, ended
 

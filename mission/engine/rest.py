@@ -58,6 +58,7 @@ class Rest:
         "_fastest",
         "_from",
         "_highest",
+        "_odd",
         "_shallowest",
         "_since",
         "_smooth",
@@ -85,13 +86,18 @@ class Rest:
         self._sunk_at: float | None = None
         self._doubted: tuple[float, float] | None = None  # s, m: a depth whose zero is unknown
         self._highest = math.inf  # m, the least that was
+        self._odd: tuple[float, float] | None = None  # s, m: it jumped there, once
 
     def take(self, t: float, depth: float | None, deep: float = DEEP) -> None:
         """One report; ``depth`` None where it is not believed. It may sink as far as ``deep``."""
         if depth is None:
             return  # what it was before still stands
         since, change = t - self._t, abs(depth - self._depth)
-        sinks = change <= _FASTER * self._fastest * max(since, 1.0) + _JUMP  # not: the first one
+        there = self._odd is not None and abs(depth - self._odd[1]) < change  # and still
+        sinks = self._follows(since, change) and not there  # not: the first one
+        if not (sinks or math.isnan(self._depth) or self._jumped(t, depth)):
+            return  # one alone may be wild
+        self._odd = None
         if not sinks:
             before = self._shallowest if math.isnan(self._depth) else math.nan
             self.begin(depth if math.isnan(before) else min(before, depth), unseen=self.unseen)
@@ -110,6 +116,17 @@ class Rest:
             self._sunk_at = None
         elif self._sunk_at is None:
             self._sunk_at = t
+
+    def _follows(self, since: float, change: float) -> bool:
+        return change <= _FASTER * self._fastest * max(since, 1.0) + _JUMP
+
+    def _jumped(self, t: float, depth: float) -> bool:
+        """It is there for a second, and two reports."""
+        odd = self._odd
+        if odd is None or not self._follows(t - odd[0], abs(depth - odd[1])):
+            self._odd = t, depth
+            return False
+        return t - odd[0] >= _LASTS
 
     def follow(self, t: float, depth: float | None) -> None:
         """One report of a depth that is not believed and moves as the vehicle does; None where

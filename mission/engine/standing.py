@@ -16,22 +16,28 @@ LONG = 8.0  # s: four reports of the AUV with the same depth
 
 class Standing(NamedTuple):
     """``stale_after`` s: of vehicles that report seldom it takes so long; ``since`` s: it says what
-    it says; ``is_coarse``: it has stood for long before, and went on."""
+    it says; ``stood``: at which depths it has for long, and went on: at one, and again there, or at
+    several, and it is coarse; at one other than now, and it came to life then."""
 
     stale_after: float
     since: float = math.inf
-    is_coarse: bool = False
+    depth: float | None = None
+    stood: tuple[float, ...] = ()
 
-    def after(self, now: float, last: float, differs: bool) -> Self:
+    def after(self, now: float, last: float, differs: bool, depth: float) -> Self:
         """A depth comes. ``last`` s: the one before was said, -inf: there was none; ``differs``
         from it."""
         if not differs:
             return self
-        return self._replace(since=now, is_coarse=self.is_coarse or self._is_long(last))
+        stood = self.stood
+        if self.depth is not None and self._is_long(last):
+            stood = (*stood[-1:], self.depth)
+        return self._replace(since=now, depth=depth, stood=stood)
 
     def tells(self, now: float) -> bool:
         """It may have frozen."""
-        return not self.is_coarse and self._is_long(now)
+        is_coarse = len(self.stood) > 1 or self.depth in self.stood
+        return not is_coarse and self._is_long(now)
 
     def _is_long(self, now: float) -> bool:
         return now - self.since > max(LONG, self.stale_after)

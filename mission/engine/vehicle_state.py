@@ -173,7 +173,7 @@ class VehicleState:
         if depth != before is not None and self.now - at <= self.stale_after:
             self._moved_at = self.now
             self._expected = min(self._expected, math.nextafter(self.now, math.inf))
-        self._standing = self._standing.after(self.now, at, depth != before)
+        self._standing = self._standing.after(self.now, at, depth != before, depth)
         self._told = depth, self.now
         return self.lives
 

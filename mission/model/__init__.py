@@ -25,6 +25,7 @@ from mission.model.chart import (
 )
 from mission.model.running import (
     CONTRADICTED,
+    NEARS_GROUND,
     UNKNOWN,
     Action,
     AutoNode,
@@ -90,6 +91,7 @@ __all__ = [
     "IMPLICIT_SURFACE",
     "MANUAL_DRIVING",
     "MANUAL_WAITING",
+    "NEARS_GROUND",
     "NOWHERE",
     "STOPPED",
     "SURFACE",

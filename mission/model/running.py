@@ -159,6 +159,7 @@ class Ending:
 
 
 CONTRADICTED = "contradicted"  # how such a reason begins
+NEARS_GROUND = "the ground comes nearer"  # what one of them says: it sinks, by the altimeter
 
 
 class Health(NamedTuple):

@@ -10,8 +10,8 @@ bound of its normalised innovation squared: an outlier is neither. The way back 
 that the filter would not believe: ``opens`` values in a row beyond the bound, all off by as much
 and not all the same to the last bit, widen what they speak of. The speed through the water opens
 nothing: what it would tell fades within half a minute by itself. What says the same to the last bit
-while the vehicle's way has changed is frozen, and counts for nothing; a speed so, too, that first
-came while it gathered way or turned, or that is the first of all.
+(a speed: while the vehicle's way has changed) is frozen, and counts for nothing; a speed so, too,
+that first came while it gathered way or turned, or that is the first of all.
 
 What does not live here: bytes (protocol.added), when it is used (reckoner), the equations (hull).
 """
@@ -86,7 +86,7 @@ class Seen(NamedTuple):
         if self.same < _SAME:
             return False
         if kind in (PLACE, RANGE):
-            return abs(run.expected) > _OTHER_SPEED
+            return True  # at rest, too: it drifts, and an honest one has its noise
         turned = abs(math.remainder(run.heading - self.heading, 2.0 * math.pi)) > _OTHER_WAY
         return turned or abs(run.expected - self.speed) > _OTHER_SPEED or not self.lives
 

@@ -33,7 +33,7 @@ import itertools
 import math
 from typing import NamedTuple, Self
 
-from mission.model import CONTRADICTED, Vertical
+from mission.model import CONTRADICTED, NEARS_GROUND, Vertical
 from mission.model.copies import copied
 from mission.navigation.fixes import FIX_DEPTH, Receiver
 
@@ -53,12 +53,14 @@ _HAD = 60.0  # s ago at most, that there were some
 _BODY = 1.25  # m/s: no body is faster up or down
 _CLOSING = 1.7  # m between the halves: 1 m, and a slope of 30 % under a drift of 0.3 m/s
 _SLOWLY = 3.0  # m in any time, while nothing drives: a drift of 0.2 m/s over a slope of 15 m
+_DRIFT = 0.02  # m/s behind a minute: a drift of 0.4 m/s over a slope of 5 %
 _EVENLY = 1.0, 0.4  # m/s and m: what is more at once is a step of the ground ...
 _ALL_ALONG = 1.5  # ... or what is less in the halves: an even way is 2 of theirs, a step is 1
 _AT_REST = 45.0  # s since the depth moved: a slow altimeter has followed by then
 _MOVED = 0.5  # m that a depth must have moved to be believed again
 _FOLLOWS = 1.0  # m between the halves that are the vehicle's own way ...
 _SINKS = 2.0  # m ... or downward in any time, while nothing pushes and no fixes come
+_LATELY = 300.0  # s since the fixes ended: 2 m of what sinks by 1 cm/s
 _LAPSE = 3.5  # s since the report before: longer, and a stick may have had it meanwhile
 EVERY, GAP = 0.9, 6.5  # s: reports that are used, and the longest between two
 
@@ -233,7 +235,8 @@ class DepthBelief:
             and t - self._moved_at >= _AT_REST
             and (by := self._ground(t, abs(depth) < FIX_DEPTH and receiver.settled(t) >= AGREES))
         ):
-            says = f"the ground comes nearer by {by:.1f} m and it stands at {depth:.1f} m"
+            way = NEARS_GROUND if by > 0.0 else "the ground goes"
+            says = f"{way} by {abs(by):.1f} m and it stands at {depth:.1f} m"
             self._contradict(t, says, moves=True)
 
     def _is_off(self, t: float, depth: float, moved: float, receiver: Receiver) -> bool:
@@ -280,7 +283,9 @@ class DepthBelief:
             self._ground_from = t, altitude
             return 0.0
         nearer = begun[1] - altitude
-        return nearer if abs(nearer) >= _SLOWLY and t - begun[0] >= WINDOW else 0.0
+        lasts = t - begun[0]
+        slope = _DRIFT * max(lasts - 60.0, 0.0)
+        return nearer if abs(nearer) >= _SLOWLY + slope and lasts >= WINDOW else 0.0
 
     def _contradict(self, t: float, why: str, *, moves: bool) -> None:
         if not self.reason:
@@ -316,7 +321,9 @@ class DepthBelief:
     def _sinks(self, t: float, mean: float, moved: float, receiver: Receiver) -> bool:
         """Slowly, as what is hardly too heavy does. A metre in the window is no slow way."""
         calm = self._way == 0 and self._calm_at < math.inf and abs(moved) < _FOLLOWS
-        at_rest = calm and receiver.settled(t) <= 0.0
+        quiet = receiver.no_news(t)
+        lately = quiet is None or quiet <= _LATELY  # later it may be on deck
+        at_rest = calm and receiver.settled(t) <= 0.0 and lately
         self._sinks_from = min(self._sinks_from, mean) if at_rest else math.inf
         return at_rest and mean - self._sinks_from >= _SINKS
 

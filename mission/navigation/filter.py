@@ -86,7 +86,8 @@ class Motion(NamedTuple):
     speed's deviation there is (none at rest), ``turned`` the angle since the report before,
     ``skid`` the variance (to any side) that a turn adds, per second and (m/s)^2, ``heave`` the way
     ahead (m/s) that a pitched hull makes by sinking or rising otherwise than along its bow,
-    ``late`` that the last fix is longer ago than a current is known to be steady for.
+    ``late`` that the last fix is longer ago than a current is known to be steady for, ``untold``
+    the variance (m^2/s, to any side) of way that no report tells.
     """
 
     heading: float = 0.0
@@ -100,6 +101,7 @@ class Motion(NamedTuple):
     skid: float = 0.0
     heave: float = 0.0
     late: bool = False
+    untold: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -219,7 +221,7 @@ class Filter:
         f[N * STATES + WANDER], f[E * STATES + WANDER] = de, -dn
         # pushed across the track by the compass's white noise, once per report, and by sway
         across = forward * forward * dt * (self._wander + 2.0 * run.lost)
-        skid = run.skid * speed * speed * dt
+        skid = (run.skid * speed * speed + run.untold) * dt
         q[N * STATES + N], q[E * STATES + E] = across * s * s + skid, across * c * c + skid
         q[N * STATES + E] = q[E * STATES + N] = -across * s * c
         q[WANDER * STATES + WANDER] = steady.wander + self._harmonics(run)
@@ -302,15 +304,18 @@ class Filter:
         r = np.array(((variance, 0.0), (0.0, variance)))
         self.kalman.update(np.array((north, east)), r, _POSITION)
 
-    def widen(self, factor: float) -> None:
+    def widen(self, factor: float, *, still: bool) -> None:
         """Multiplies the covariance of all that moves the position; correlations stay. Compass,
         thrusters and water never get much less known than before anything was heard: at rest
         nothing would ever bring them back, and a filter cannot compute with what they grow to. What
-        the vehicle file says is known for sure stays so."""
+        the vehicle file says is known for sure stays so. ``still``: nothing drove, so compass and
+        thrusters have moved nothing."""
         p = self.kalman.P.copy()
         plane = p[:DEPTH, :DEPTH]
         known = plane.diagonal()
         room = np.divide(self._loosest, known, out=np.full(DEPTH, math.inf), where=known > 0.0)
+        if still:
+            room[SCALE:DEPTH] = 1.0
         if (room >= factor).all():
             plane *= factor
         else:  # what is added is positive: a share of the widening for each state
@@ -324,6 +329,12 @@ class Filter:
         p[N, N] += variance
         p[E, E] += variance
         self.kalman.P = p
+
+    @property
+    def current_found(self) -> float:
+        """m/s, beside what the vehicle file says of it."""
+        north, east = self.figures.current_mean
+        return math.hypot(float(self.x[CN]) - north, float(self.x[CE]) - east)
 
     def doubt_current(self, sigma: float) -> None:
         """The current may be off by ``sigma`` m/s or more along each axis, whatever was found of it

@@ -121,6 +121,7 @@ class Propulsion(Protocol):
     """Forward speed through still water, as the vehicle's own data lets expect it."""
 
     speed: float
+    fastest: float  # m/s by full thrust; 0 where it has none
 
     def advance(
         self, actuators: tuple[float, ...] | None, dt: float, pitch: float, rate: float
@@ -139,11 +140,12 @@ class Thrust:
     Fractions of thrust come with left and right main first.
     """
 
-    __slots__ = ("_curve", "_length", "_scale", "speed")
+    __slots__ = ("_curve", "_length", "_scale", "fastest", "speed")
 
     def __init__(self, vehicle: Vehicle) -> None:
         self._curve, self._length = vehicle.speed_by_gear, vehicle.calibration.surge_length
         self._scale = vehicle.calibration.speed_scale
+        self.fastest = self._scale * self._curve.at(12.0)
         self.speed = 0.0
 
     def advance(
@@ -185,11 +187,11 @@ class Glide:
     _SLOWEST = 0.03  # m/s of depth rate
     _FASTEST = 0.6  # m/s forward
 
-    __slots__ = ("_scale", "speed")
+    __slots__ = ("_scale", "fastest", "speed")
 
     def __init__(self, vehicle: Vehicle) -> None:
         self._scale = vehicle.calibration.speed_scale
-        self.speed = 0.0
+        self.speed = self.fastest = 0.0
 
     def advance(
         self, actuators: tuple[float, ...] | None, dt: float, pitch: float, rate: float

@@ -38,6 +38,7 @@ _TURN_TIME = 1.0  # s: over less, two headings that noise or came together are n
 _EXTRAPOLATE = 1.0  # s beyond a report for which its yaw rate is believed
 _SURFACE = 0.7  # m of depth: shallower is moved by wind and waves
 _UNDER_WAY = 0.3  # m/s: slower, the speed's deviation fades with the speed
+_DRIVES = 0.05  # m/s: less is what is left of some way
 _STEADY_SPEED, _STEADY_TURN = 0.1, 0.05  # m/s since the report before; rad/s
 _STEEP = 1.0  # rad of pitch: steeper, a depth rate says nothing of the way ahead
 _PENDING = 4  # velocities that wait for a report
@@ -55,6 +56,7 @@ _KEPT = (
     "depth_seen",
     "altitude_seen",
     "_motion",
+    "_driven_at",
     "_rejected",
     "_pending",
     "_used",
@@ -80,6 +82,7 @@ class _Motion(NamedTuple):
     heave: float = 0.0  # m/s ahead, of a pitched hull that sinks or rises upright
     gap: float = 0.0  # s between this heading and the one before
     turns_from: tuple[float, float] | None = None  # s, and the heading then, of the next yaw rate
+    told_after: float = 0.0  # s since the report before
 
 
 class Reckoner:
@@ -95,7 +98,8 @@ class Reckoner:
         self.fix_nis: float | None = None  # of the last fix that was used
         self.depth_seen = self.altitude_seen = False
         self._propulsion = propulsion(vehicle)
-        self._calibration = vehicle.calibration
+        self._calibration, self._stale_after = vehicle.calibration, vehicle.stale_after
+        self._driven_at = -math.inf  # of the last report of way by thrust
         self._motion = _Motion(-math.inf)
         self._rejected: tuple[GroundFix, ...] = ()
         self._pending: tuple[GroundFix, ...] = ()  # velocities wait for the next report
@@ -138,8 +142,9 @@ class Reckoner:
         gap = 0.0 if last.heading is None else heading_t - last.heading_t
         self._motion = _Motion(
             *(r.t, heading, heading_t, rate, along, expected, surfaced),
-            *(sway, skidding, heave, gap, turns_from),
+            *(sway, skidding, heave, gap, turns_from, since),
         )
+        self._driven_at = r.t if abs(expected) > _DRIVES else self._driven_at
         self._advance(r.t)
         self._velocities(before)
         nis = self.filter.vertical(r.depth, r.altitude)
@@ -192,7 +197,10 @@ class Reckoner:
         late = self._late(t1)
         if m.heading is None:  # to any side, and to none in the mean
             skid = 2.0 * _LOST_MOST**2 * _LOST_TIME
-            return Motion(0.0, m.expected, 0.0, 0.0, 0.0, driven, 0.0, m.surfaced, skid, 0.0, late)
+            return Motion(
+                *(0.0, m.expected, 0.0, 0.0, 0.0, driven, 0.0, m.surfaced, skid, 0.0, late),
+                self._untold(t1),
+            )
         turned = m.yaw_rate * min(0.5 * (t0 + t1) - m.heading_t, _EXTRAPOLATE)
         arc = m.yaw_rate * (t1 - t0)
         along = m.along * (1.0 - min(arc * arc, 4.0) / 24.0)  # the chord of the arc
@@ -203,8 +211,17 @@ class Reckoner:
             gone = 1.0 - math.exp(-lost / _LOST_TIME)
             skid += 2.0 * lost * gone * gone
         return Motion(
-            heading, m.expected, along, m.sway, lost, driven, arc, m.surfaced, skid, m.heave, late
+            *(heading, m.expected, along, m.sway, lost, driven, arc, m.surfaced, skid, m.heave),
+            *(late, self._untold(t1)),
         )
+
+    def _untold(self, t: float) -> float:
+        """Where reports have ended nobody says whether its thrusters are on: the stick may have it
+        (as built it reports nothing then), and its way is no current."""
+        quiet = t - self._motion.t if t > self._motion.t else self._motion.told_after
+        if not self._stale_after < quiet < math.inf:
+            return 0.0
+        return 2.0 * _LOST_TIME * self._propulsion.fastest**2
 
     def _late(self, t: float) -> bool:
         return self.last_fix is None or t - self.last_fix > self.filter.figures.fresh_for
@@ -249,6 +266,12 @@ class Reckoner:
         self.filter.place(north, east, variance)
         self.located = True
         self._rejected = ()
+        self.settle()
+
+    def doubt_current(self, sigma: float) -> None:
+        """As the filter's; what a receiver has said of speed before is of that current, too."""
+        self.filter.doubt_current(sigma)
+        self._pending = ()
         self.settle()
 
     def settle(self) -> None:
@@ -305,13 +328,18 @@ class Reckoner:
         self.filter.load(now)
         return False
 
+    @property
+    def _still(self) -> bool:
+        """Nothing has driven since the last fix that was used."""
+        return self.last_fix is not None and self._driven_at < self.last_fix
+
     def _open_gate(self, f: GroundFix) -> None:
         if self._goes_back(f):
             return
         self._before = f.t, self.filter.save()
         factor = 1.0
         while factor < _WIDEST:
-            self.filter.widen(1.5)
+            self.filter.widen(1.5, still=self._still)
             factor *= 1.5
             if self.filter.innovation(f.north, f.east, f.variance)[2] < 3.0:
                 return
@@ -359,7 +387,7 @@ class Reckoner:
         """As the gate for fixes is; there is nothing to go back to."""
         factor = 1.0
         while factor < _WIDEST:
-            self.filter.widen(1.5)
+            self.filter.widen(1.5, still=self._still)
             factor *= 1.5
             if fits(self.filter, a, run):
                 return

@@ -236,6 +236,15 @@ def test_a_way_that_turns_a_vehicle_round_is_kept_though_it_sank_on_before():
     assert not ascent.act(30.0, 21.0, False)
 
 
+def test_one_wild_depth_in_each_turn_keeps_no_way_that_does_not_lift():
+    """It looks as if it had sunk a metre and turned round: once in succession that is enough."""
+    ascent, told = begun(6.0), 0.0
+    while ascent.way is Order.SURFACE and told < 100.0:
+        told += 2.0
+        ascent.act(told, 6.0 + (3.0 if told % 10.0 == 6.0 else 0.0), False)
+    assert told <= 50.0
+
+
 def test_a_way_that_is_given_up_says_what_was_seen():
     for before, after, seen in (
         (20.0, 20.5, "is 20.5 m, no less"),

@@ -467,6 +467,19 @@ def test_a_depth_that_stood_for_long_and_went_on_says_nothing_by_standing_again(
         assert not vehicle_state.repeats
 
 
+def test_a_depth_that_stood_once_until_its_sensor_was_awake_is_not_coarse_for_ever():
+    vehicle_state = VehicleState(Navigation())
+    for t in range(10, 24, 2):
+        told(vehicle_state, float(t), depth=1.2)
+    for t in range(24, 60, 2):
+        told(vehicle_state, float(t), depth=0.2 + 0.01 * (t % 8))
+        assert not vehicle_state.repeats
+    for t in range(60, 70, 2):
+        told(vehicle_state, float(t), depth=0.3)
+    vehicle_state.at(68.5)
+    assert vehicle_state.repeats
+
+
 @pytest.mark.parametrize(
     ("before", "up"), [(0.5, True), (0.7, True), (0.999, True), (1.0, False), (3.0, False)]
 )

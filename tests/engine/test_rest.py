@@ -40,6 +40,27 @@ def test_it_sinks_by_two_reports_of_what_a_body_can_do(seen: list[Seen], sinks: 
     )
 
 
+def test_one_wild_depth_in_seven_hides_no_vehicle_that_stays_deep_or_sinks() -> None:
+    """Each one began anew what it had been before, twice."""
+    stays, sinks = Rest(0.6), Rest(0.6)
+    told: list[tuple[str, str]] = []
+    for i in range(60):
+        wild = 3.0 if i % 7 == 6 else 0.0
+        stays.take(2.0 * i, 6.0 + wild)
+        sinks.take(2.0 * i, 0.2 + 0.1 * i + wild)
+        told.append((stays.stays_down(), sinks.sinks))
+    assert any(deep for deep, _ in told[:14])
+    assert any(sunk for _, sunk in told[:26])
+
+
+def test_three_wild_depths_of_half_a_second_hide_none_either() -> None:
+    stays, told = Rest(0.6), []
+    for i in range(300):
+        stays.take(0.2 * i, 6.0 + (3.0 if i % 35 > 31 else 0.0))
+        told.append(stays.stays_down())
+    assert any(told[:120])
+
+
 def test_the_greatest_change_is_a_descent_still() -> None:
     assert rested((0.0, 0.0), (2.0, 3.5), (3.0, 3.5), fastest=1.0).sinks
     assert not rested((0.0, 0.0), (2.0, 3.6), (3.0, 3.6), fastest=1.0).sinks

@@ -19,6 +19,7 @@ from mission.model.shipped import load_vehicle
 from mission.model.vehicle import Beacon
 from mission.navigation import Navigation
 from mission.navigation.added import ADDED
+from mission.navigation.distribution import PLANE_95, principal
 from mission.navigation.geodesy import LocalFrame
 from mission.verification.simulation.flight import fly
 from protocol.messages import Aid, Fix, Telemetry
@@ -205,6 +206,21 @@ def test_a_doppler_log_that_froze_before_it_was_heard_on_a_steady_course_teaches
     assert found is not None
     assert without is not None
     assert math.hypot(found.north - without.north, found.east - without.east) < 1.0
+
+
+def test_a_place_that_froze_while_it_drifted_with_nothing_on_is_not_believed() -> None:
+    def said() -> Iterator[Said]:
+        rng, frozen = Random(1), (0.0, 0.0)
+        for truth, item in sail(SEA, 60.0, 300.0, 3, gear=0.0, speed=0.0):
+            yield item
+            if isinstance(item, Telemetry) and truth.t % 4 == 0 and truth.t < 355.0:
+                frozen = aids("place", truth, rng) if truth.t <= 64.0 else frozen
+                yield Aid(item.t + 0.3, "place", frozen)
+
+    found = navigated(item for item in said() if item.t < 355.0).estimate(355.0)
+    assert found is not None
+    off = math.hypot(found.north - 355.0 * SEA.current[0], found.east - 355.0 * SEA.current[1])
+    assert off < PLANE_95 * principal(found.covariance)[1]
 
 
 def test_a_doppler_log_that_freezes_on_the_bend_into_a_dive_teaches_nothing_of_the_current() -> (

@@ -110,7 +110,8 @@ def test_ground_that_comes_nearer_or_goes_while_the_depth_stands_contradicts_it(
     dive = Dive()
     dive.go(60.0, HOLD, at(9.8), at(20.0))
     reason = dive.go(20.0, HOLD, at(9.8), lambda s: 20.0 - rate * s)
-    assert reason.startswith("contradicted: the ground comes nearer")
+    way = "comes nearer" if rate > 0.0 else "goes"
+    assert reason.startswith(f"contradicted: the ground {way} by ")
 
 
 @pytest.mark.parametrize("rate", [0.05, -0.05, -0.3, -0.8])
@@ -420,6 +421,23 @@ def test_a_swell_and_a_slow_rise_are_no_way_down():
         dive.go(20.0, DOWN, at(waves(0.0)))
         assert dive.go(380.0, REST, waves)
         assert not dive.belief.follows
+
+
+def test_what_creeps_long_after_the_last_fix_is_no_way_down():
+    """On deck, under a roof: what is shut in behind a clogged port grows warm."""
+    dive = Dive(noise=0.05)
+    dive.go(20.0, DOWN, at(0.2))
+    dive.go(20.0, REST, at(0.2), fixes=True)
+    dive.go(400.0, REST, at(0.2))
+    assert dive.go(900.0, REST, sinking(0.005))
+
+
+@pytest.mark.parametrize("slope", [-0.05, -0.03, 0.03, 0.05])
+def test_a_drift_over_a_gentle_slope_contradicts_no_depth_that_is_held(slope):
+    dive = Dive(noise=0.1)
+    light = Vertical(0.35, 5.0)
+    dive.go(20.0, DOWN, sinking(0.25))
+    assert dive.go(600.0, light, at(5.0), lambda s: 40.0 - 0.3 * slope * s) == ""
 
 
 def test_an_offset_that_comes_at_once_is_no_slow_way_down():

@@ -6,6 +6,7 @@ import math
 import random
 import subprocess
 import sys
+from collections.abc import Callable
 from dataclasses import replace
 
 import pytest
@@ -18,6 +19,7 @@ from mission.navigation import LocalFrame, Navigation
 from mission.navigation.distribution import PLANE_95, principal
 from mission.navigation.geodesy import EARTH
 from mission.navigation.kalman import KalmanFilter
+from mission.navigation.model import CN, COMPASS, DEVIATION, SCALE
 from protocol.added import GROUND
 from protocol.messages import Aid, Fix, Telemetry
 
@@ -404,6 +406,8 @@ def test_a_vehicle_held_by_hand_is_not_sure_of_the_current_that_it_dives_into(
         nav.restore(held.snapshot())
         if assumed is not None:
             nav.assume_current(assumed)
+        for t in range(600, 600 + int(dived), 2):
+            nav.telemetry(Telemetry(float(t), depth=0.2, heading=0.5, actuators=(0.0,) * 5))
         estimate = nav.estimate(600.0 + dived)
         assert estimate is not None
         widths.append(PLANE_95 * principal(estimate.covariance)[1])
@@ -692,3 +696,50 @@ def test_a_speed_over_ground_counts_however_often_a_noisy_compass_reports(hertz:
     estimate = nav.estimate(120.0)
     assert estimate is not None
     assert estimate.sigmas["current"] < 0.062
+
+
+# --- before a start ------------------------------------------------------------------------------
+
+
+def afloat(
+    vehicle: Vehicle, seconds: int, way: Callable[[int], float], *, told: bool = True
+) -> Navigation:
+    """``way``: m/s to the north, by nothing that the reports tell; ``told``: they go on."""
+    rng, frame, nav, north = random.Random(1), LocalFrame(HOME), Navigation(vehicle, HOME), 0.0
+    for second in range(seconds):
+        t, north = float(second), north + way(second)
+        if second % 2 == 0 and (told or not way(second)):
+            compass = rng.gauss(1.0, 0.03)
+            nav.telemetry(Telemetry(t, depth=0.2, heading=compass, actuators=(0.0,) * 5))
+        place = frame.to_geodetic(north + rng.gauss(0.0, 1.0), rng.gauss(0.0, 1.0))
+        nav.fix(Fix(t + 0.1, *place, 2.5, speed=way(second), course=0.0))
+    return nav
+
+
+def test_the_way_that_a_stick_drove_is_no_current(vehicle: Vehicle) -> None:
+    """As built it reports nothing meanwhile, and its thrusters seem to be off."""
+    nav = afloat(vehicle, 160, lambda t: 1.2 if 60 <= t < 150 else 0.0, told=False)
+    assert nav.core.filter.current_found < 0.3
+    assert PLANE_95 * principal(nav.estimate(160.0).covariance)[1] < 25.0
+
+
+def test_who_was_carried_is_no_surer_of_the_current_than_by_what_was_found_of_it(
+    vehicle: Vehicle,
+) -> None:
+    nav = afloat(vehicle, 120, lambda t: 1.0 if t > 60 else 0.0)
+    found = nav.core.filter.current_found
+    assert found > 0.7
+    nav.assume_current(0.2)
+    sigma = math.sqrt(nav.core.filter.covariance[CN, CN])
+    assert sigma == pytest.approx(found / PLANE_95)
+
+
+@pytest.mark.parametrize("speed", [0.5, 2.0])
+def test_who_is_carried_learns_nothing_of_compass_and_thrusters(
+    vehicle: Vehicle, speed: float
+) -> None:
+    """Nothing drove: the gate opens again and again, and widens the place and the current alone."""
+    nav, still = (afloat(vehicle, 400, way) for way in (lambda t: speed * (t < 300), lambda t: 0.0))
+    for state in (COMPASS, SCALE, DEVIATION):
+        carried, rested = (n.core.filter.covariance[state, state] for n in (nav, still))
+        assert carried <= 1.01 * rested

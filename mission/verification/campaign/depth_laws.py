@@ -44,6 +44,7 @@ _FIRST = 3.0  # s until an upward word has left: three tries, and the X0 before 
 _ROUND = 70.0  # s: three ways, 10 s more of U12, D12, a turn in which it fell, its way once more
 _OVERTURNED_ROUND = 120.0  # s: D12 comes once a minute, behind the last way
 _TELL = 3  # reports of which three agree on a roll
+_AFLOAT = 0.5  # m
 _SHALLOW = 1.5  # m: so near to the surface nothing need be tried
 _NOT_LIFTED = 70.0  # s: a round, and 10 s more
 _UPRIGHT, _OVERTURNED = math.radians(60.0), math.radians(130.0)
@@ -238,7 +239,7 @@ def _liftable(story: Story, begin: float, end: float) -> bool:
 
 def _is_held_up(story: Story) -> Iterator[Violation]:
     """Nobody else having a say in between, AUTO that is closed included, a body that sinks out of
-    surfaced does so once."""
+    surfaced does so once. Waves that wash over an antenna are no sinking."""
     sank = False
     for stay in story.stays:
         if stay.state not in (SURFACING, SURFACED):
@@ -249,7 +250,8 @@ def _is_held_up(story: Story) -> Iterator[Violation]:
             free = story.hindered(begin, stay.begin) or story.faulty(
                 (*_OUT_OF_HAND, *DEPTH_FAULTS, "capsized", "listing"), begin, stay.begin
             )
-            if again and sank and not free:
+            sinks = story.deepest(begin, stay.begin) > _AFLOAT
+            if again and sank and sinks and not free:
                 yield Violation(SUNK, stay.begin, "sank out of surfaced again: it was not held up")
             sank = again or (sank and _by_itself(stay))
         elif story.auto_closed(stay.begin, stay.end):

@@ -9,7 +9,7 @@ from types import SimpleNamespace
 import pytest
 
 from links.simulated.settings import FaultEvent, Settings, parse_settings
-from mission.engine import engine
+from mission.engine import core, engine
 from mission.engine.core import Core
 from mission.engine.restart import begin_again
 from mission.engine.watch import Watch
@@ -44,8 +44,8 @@ def test_what_was_stopped_and_begins_again_as_surfaced_is_seen(
 ) -> None:
     """R7: a restart comes back to the very state: one floats up by itself, the other was up."""
 
-    def as_surfaced(core: Core, how: Restarted) -> None:
-        begin_again(core, replace(how, during=SURFACED) if how.during else how)
+    def as_surfaced(the_core: Core, how: Restarted) -> None:
+        begin_again(the_core, replace(how, during=SURFACED) if how.during else how)
 
     plan = stage("restarted_after_x", 0)
     assert judged(plan) == []
@@ -67,9 +67,9 @@ def test_thrust_that_stays_dead_behind_its_set_sent_again_is_seen(
     """R8: once, then up; a set that is sent again and again hid it."""
     repeat = Core.repeat_set
 
-    def for_ever(core: Core, why: str) -> None:
-        repeat(core, why)
-        core.watch.repeated = False
+    def for_ever(the_core: Core, why: str) -> None:
+        repeat(the_core, why)
+        the_core.watch.repeated = False
 
     plan = faulty(scene, "thrust_dead@60+120")
     assert judged(plan) == []
@@ -87,6 +87,20 @@ def test_one_word_that_is_never_answered_among_others_is_seen(
     monkeypatch.setattr(Watch, "unanswered", property(lambda watch: watch.lost))
     says = f"unanswered: {letter.upper()} without an answer 5 times, and still autonomous"
     assert says in judged(plan)
+
+
+@pytest.mark.replaces
+@pytest.mark.parametrize("heavy", [16, 20])
+def test_a_port_that_clogs_at_rest_hides_no_water_that_comes_in_where_the_ground_tells(
+    monkeypatch: pytest.MonkeyPatch, heavy: int
+) -> None:
+    """The fixes end, the depth trembles at 0.2 m; a minute later the ground comes nearer."""
+    faults = f"heavy={heavy}@75+1000000", "depth_stuck=0.05@70+1000000"
+    staged = stage("heavy_when_surfaced", 0)
+    plan = replace(faulty("heavy_when_surfaced", *faults), incidents=staged.incidents)
+    assert fly_plan(plan, plan.vehicle).track[-1].depth < 1.0
+    monkeypatch.setattr(core, "NEARS_GROUND", "said by nobody")
+    assert fly_plan(plan, plan.vehicle).track[-1].depth > 20.0
 
 
 def test_one_word_that_legs_say_minutes_apart_without_an_answer_ends_no_mission() -> None:
