@@ -86,6 +86,9 @@ class Orders:
             except Contradicted as why:
                 given.become("contradicted", str(why))
             except OperatorError as why:
+                if given.is_now in ("sent", "unanswered") and self._line.acoustics is not None:
+                    given.become("unconfirmed", f"{why}; press again if you still mean it")
+                    return
                 if given.is_now in ("sent", "unanswered"):
                     given.become("unanswered", f"{why}; it is said again")
                     await asyncio.sleep(AGAIN_S)

@@ -1,11 +1,17 @@
-"""What the reckoner takes in: what could be believed of one report, and a fix in the local frame.
+"""What the reckoner takes in: what could be believed of one report, and a fix in the local frame;
+and what it keeps of the last report.
 
 What does not live here: how it is believed (health), and what is made of it (reckoner).
 """
 
 from __future__ import annotations
 
+import itertools
+import math
+from collections.abc import Sequence
 from typing import NamedTuple
+
+_FASTEST = 4.0  # m/s, between two fixes that agree
 
 
 class Report(NamedTuple):
@@ -17,6 +23,24 @@ class Report(NamedTuple):
     actuators: tuple[float, ...] | None
     depth: float | None
     altitude: float | None
+
+
+class Reported(NamedTuple):
+    """As of the last report: heading, turn, thrust."""
+
+    t: float
+    heading: float | None = None
+    heading_t: float = -math.inf
+    yaw_rate: float = 0.0
+    along: float = 1.0
+    expected: float = 0.0  # m/s, mean since the report before
+    surfaced: bool = False
+    sway: float = 0.0  # share of the speed, mean since the report before
+    skidding: float = 0.0  # the same, at the report
+    heave: float = 0.0  # m/s ahead, of a pitched hull that sinks or rises upright
+    gap: float = 0.0  # s between this heading and the one before
+    turns_from: tuple[float, float] | None = None  # s, and the heading then, of the next yaw rate
+    told_after: float = 0.0  # s since the report before
 
 
 class GroundFix(NamedTuple):
@@ -45,3 +69,12 @@ class Aiding(NamedTuple):
 
 
 Item = Report | GroundFix | Aiding
+
+
+def agree(fixes: Sequence[GroundFix]) -> bool:
+    """Whether each fix is as near the one before as receiver and vehicle can have moved."""
+    return all(
+        math.hypot(b.north - a.north, b.east - a.east)
+        < 4.0 * math.sqrt(a.variance + b.variance) + _FASTEST * (b.t - a.t)
+        for a, b in itertools.pairwise(fixes)
+    )

@@ -15,24 +15,22 @@ What does not live here: sensors' health, frames, what arrives late.
 
 from __future__ import annotations
 
-import itertools
 import math
 import operator
-from collections.abc import Mapping, Sequence
-from typing import Any, NamedTuple
+from collections.abc import Mapping
+from typing import Any
 
 from mission.model.vehicle import Vehicle
 from mission.navigation.added import Seen
 from mission.navigation.filter import Filter, Motion
 from mission.navigation.hull import correct, fits, innovation
-from mission.navigation.items import Aiding, GroundFix, Item, Report
+from mission.navigation.items import Aiding, GroundFix, Item, Report, Reported, agree
 from mission.navigation.model import RATE, Figures, propulsion
 from protocol.added import PLACE, RANGE
 
 GATE = 13.816  # chi-square, 2 degrees of freedom, 99.9 %
 _AGREEING = 3  # rejected fixes in a row that win against the gate
 _GAP, _MEMORY = 60.0, 120.0  # s without a fix; for which the filter before it is remembered
-_FASTEST = 4.0  # m/s, between two fixes that agree
 _WIDEST = 25.0  # factor on the covariance; what is missing then is given to the position alone
 _TURN_TIME = 1.0  # s: over less, two headings that noise or came together are no yaw rate
 _EXTRAPOLATE = 1.0  # s beyond a report for which its yaw rate is believed
@@ -67,24 +65,6 @@ _KEPT = (
 _kept = operator.attrgetter(*_KEPT)
 
 
-class _Motion(NamedTuple):
-    """As of the last report: heading, turn, thrust."""
-
-    t: float
-    heading: float | None = None
-    heading_t: float = -math.inf
-    yaw_rate: float = 0.0
-    along: float = 1.0
-    expected: float = 0.0  # m/s, mean since the report before
-    surfaced: bool = False
-    sway: float = 0.0  # share of the speed, mean since the report before
-    skidding: float = 0.0  # the same, at the report
-    heave: float = 0.0  # m/s ahead, of a pitched hull that sinks or rises upright
-    gap: float = 0.0  # s between this heading and the one before
-    turns_from: tuple[float, float] | None = None  # s, and the heading then, of the next yaw rate
-    told_after: float = 0.0  # s since the report before
-
-
 class Reckoner:
     """``t`` is how far it has got; items must come in the order of their times."""
 
@@ -100,7 +80,7 @@ class Reckoner:
         self._propulsion = propulsion(vehicle)
         self._calibration, self._stale_after = vehicle.calibration, vehicle.stale_after
         self._driven_at = -math.inf  # of the last report of way by thrust
-        self._motion = _Motion(-math.inf)
+        self._motion = Reported(-math.inf)
         self._rejected: tuple[GroundFix, ...] = ()
         self._pending: tuple[GroundFix, ...] = ()  # velocities wait for the next report
         self._used: GroundFix | None = None
@@ -140,7 +120,7 @@ class Reckoner:
         heave = (sinking + expected * math.sin(pitch)) * math.tan(min(max(pitch, -_STEEP), _STEEP))
         sway, skidding = self._skid(rate, since)
         gap = 0.0 if last.heading is None else heading_t - last.heading_t
-        self._motion = _Motion(
+        self._motion = Reported(
             *(r.t, heading, heading_t, rate, along, expected, surfaced),
             *(sway, skidding, heave, gap, turns_from, since),
         )
@@ -302,7 +282,7 @@ class Reckoner:
         """Corrects the position, or keeps the fix among the rejected ones."""
         if self.filter.innovation(f.north, f.east, f.variance)[2] > GATE:
             self._rejected = (*self._rejected, f)[-_AGREEING:]
-            if len(self._rejected) < _AGREEING or not _agree(self._rejected):
+            if len(self._rejected) < _AGREEING or not agree(self._rejected):
                 return False
             self._open_gate(f)
         nis = self.filter.innovation(f.north, f.east, f.variance)[2]
@@ -415,12 +395,3 @@ class Reckoner:
             run = self.run(f.t, f.t)
             if f.velocity is not None and self._motion.heading is not None and run.lost == 0.0:
                 self.filter.velocity(*f.velocity, run)
-
-
-def _agree(fixes: Sequence[GroundFix]) -> bool:
-    """Whether each fix is as near the one before as receiver and vehicle can have moved."""
-    return all(
-        math.hypot(b.north - a.north, b.east - a.east)
-        < 4.0 * math.sqrt(a.variance + b.variance) + _FASTEST * (b.t - a.t)
-        for a, b in itertools.pairwise(fixes)
-    )

@@ -28,6 +28,7 @@ from mission.onboard.kept import read_summed, write_summed
 from protocol.messages import SetSafety
 
 NO_LIMITS = SetSafety()
+SPARE, ROOM = "spare", 4096  # a file that gives its bytes to what must be written on a full disk
 _V = TypeVar("_V")
 
 
@@ -150,6 +151,7 @@ class DiskStore:
                 f"the store {folder} cannot be used: {error.strerror or error}"
             ) from error
         self._content = self._read()
+        self._reserve()
 
     @property
     def content(self) -> Stored:
@@ -164,8 +166,22 @@ class DiskStore:
         self._content = replace(self._content, limits=limits)
 
     def keep_under_way(self, what: str) -> None:
-        self.write("under-way", what)
+        """A full disk has room kept for this: what is over is not to be brought up on deck."""
+        try:
+            self.write("under-way", what)
+        except StoreError:
+            with contextlib.suppress(OSError):
+                (self._folder / SPARE).unlink()
+            self.write("under-way", what)
+        self._reserve()
         self._content = replace(self._content, under_way=what)
+
+    def _reserve(self) -> None:
+        """Room for one more write, where there is some."""
+        path = self._folder / SPARE
+        with contextlib.suppress(OSError):
+            if not path.exists() or path.stat().st_size < ROOM:
+                path.write_bytes(bytes(ROOM))
 
     def _read(self) -> Stored:
         damage: list[str] = []

@@ -22,7 +22,7 @@ from __future__ import annotations
 from collections.abc import Callable, Generator
 from dataclasses import dataclass
 
-from mission.model import SURFACED, SURFACING
+from mission.model import STOPPED, SURFACED, SURFACING
 from mission.topside.upload import Ask, NoAnswer, OperatorError, Script, is_ack, is_report
 from protocol.messages import (
     Ack,
@@ -72,7 +72,11 @@ def order(
     what = WORDS[which]
     answer = yield Ask(what, Emergency(which), _is_taken(which), tries=ORDER_TRIES, by_clock=True)
     if answer is None:
-        raise NoAnswer((yield from _why_no_answer(what)))
+        why = yield from _why_no_answer(what)
+        state = yield Ask("state", StateQuery(), lambda a: isinstance(a, StateReport))
+        if which is Order.STOP and isinstance(state, StateReport) and state.state == STOPPED:
+            raise Unconfirmed(why)  # each X more puts off that it is brought up (R7)
+        raise NoAnswer(why)
     tell(f"{what}: the vehicle has it; what its reports show is looked at now")
     looks = (LOOKS_UNDER_WATER if under_water else LOOKS)[which]
     seen = yield from _look(which, looks)

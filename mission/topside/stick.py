@@ -26,6 +26,7 @@ from dataclasses import dataclass, field
 
 from links import open_link
 from links.base import Link, LinkError
+from mission.model import STOPPED
 from mission.topside.console import Unreachable
 from mission.topside.helm import PERIOD_S, Helm, Push
 from mission.topside.joystick import Joystick
@@ -38,6 +39,8 @@ from protocol.messages import (
     FrameFault,
     Order,
     SetOutput,
+    StateQuery,
+    StateReport,
     Status,
     StoreQuery,
     StoreReport,
@@ -150,7 +153,8 @@ class Stick:
         if now >= self._ask_at:
             self._ask_at = now + ASK_S
             self._asked += 1
-            link.send(encode(DataQuery() if self._asked % 2 else StoreQuery()), now)
+            known = StoreQuery() if self._stop_at == math.inf else StateQuery()
+            link.send(encode(DataQuery() if self._asked % 2 else known), now)
         self._seen.gear = self.keyboard.gear
         self.show(self._seen.line(now))
         return self._wait(link)
@@ -212,6 +216,8 @@ class Stick:
                 self._seen.status = answer
             case StoreReport():
                 self._seen.store = answer
+            case StateReport(state=state) if state == STOPPED and self._stop_at < math.inf:
+                self._seen.stop, self._stop_at = "X: the Pi has it, its board is silent", math.inf
             case Ack(group="Z"):
                 self._seen.stop = "X acknowledged" if answer.ok else "X NOT acknowledged"
                 self._stop_at = math.inf if answer.ok else self._stop_at

@@ -19,12 +19,13 @@ from click.testing import CliRunner
 from served import PATIENCE, Running, read_now, running, silent_board, soon
 
 from mission.cli import main
+from mission.model import STOPPED
 from mission.topside.helm import ENDS, LEVEL, NEUTRAL, PERIOD_S, Helm, Push, mains, verticals
 from mission.topside.joystick import SILENT_S, Joystick, Layout
 from mission.topside.keyboard import FIRST_S, NEXT_S, Keyboard, Switch, Wish
 from mission.topside.stick import LOST_S, Lost, Seen, Stick
 from protocol.framing import Frame
-from protocol.messages import Ack, Manual, SetOutput, Status, StoreReport, Telemetry
+from protocol.messages import Ack, Manual, SetOutput, StateReport, Status, StoreReport, Telemetry
 from protocol.topside import TopsideCodec, encode
 from protocol.vehicles import frame_types
 
@@ -643,7 +644,7 @@ class Mute:
             while len(self.heard) < self._stays and asked < 6:
                 data = boat.recv(4096)
                 self.heard += [time.monotonic()] * data.count(b"@ZAX0$")
-                asked += data.count(b"@DU$") + data.count(b"@AQ$")
+                asked += sum(data.count(word) for word in (b"@DU$", b"@AQ$", b"@AE$"))
                 boat.sendall(encode(Status(None, None, None)))
                 if b"@ZAX0$" in data:
                     boat.sendall(self._acknowledges)
@@ -679,6 +680,14 @@ def test_x_is_said_every_second_until_it_is_acknowledged(answers: bytes) -> None
 
 def test_an_x_that_is_acknowledged_is_said_no_more() -> None:
     vehicle = Mute(2, encode(Ack(0.0, "Z", "A", ord("Y"))))
+    assert "NOT" not in lost_with(vehicle, b"x")
+    assert len(vehicle.heard) == 1
+
+
+def test_an_x_that_the_pi_has_is_said_no_more_though_its_board_is_silent() -> None:
+    """Each X more would put off that it is brought up."""
+    state = StateReport(STOPPED, "asker", *[None] * 9, alarms=0, setpoint="X", leg="")
+    vehicle = Mute(3, encode(state))
     assert "NOT" not in lost_with(vehicle, b"x")
     assert len(vehicle.heard) == 1
 

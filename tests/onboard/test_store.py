@@ -49,6 +49,26 @@ def test_what_was_kept_is_there_after_a_restart(tmp_path: Path) -> None:
     assert DiskStore(tmp_path).content == Stored(LINES, LIMITS, "emergency")
 
 
+def test_a_full_disk_has_room_for_what_is_over(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Else the next start, on deck, brings up a mission that has ended."""
+    store, sync = DiskStore(tmp_path), os.fsync
+    store.keep_under_way("autonomous/a")
+    full = sum(path.stat().st_size for path in tmp_path.iterdir())
+
+    def fills(descriptor: int) -> None:
+        if sum(path.stat().st_size for path in tmp_path.iterdir()) > full:
+            raise OSError(28, "No space left on device")
+        sync(descriptor)
+
+    monkeypatch.setattr(os, "fsync", fills)
+    with pytest.raises(StoreError, match="No space left"):
+        store.keep_lines(LINES)
+    store.keep_under_way("")
+    assert DiskStore(tmp_path).content.under_way == ""
+
+
 @pytest.mark.parametrize("step", ["fsync", "replace"])
 def test_write_cut_short_leaves_the_old_content(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, step: str
