@@ -90,7 +90,8 @@ class Navigation:
         """A mission starts in a current of up to ``most`` m/s, whatever was learned of it before:
         a vehicle that is held by hand, or moored, has found that there is none; one that was
         carried or towed, that there is more than that."""
-        self.core.doubt_current(max(most, self.core.filter.current_found) / PLANE_95)
+        self.core.filter.doubt_current(max(most, self.core.filter.current_found) / PLANE_95)
+        self.core.settle()
         self._history.clear()
 
     def _settle(self, frame: LocalFrame) -> None:

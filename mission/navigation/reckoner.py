@@ -248,12 +248,6 @@ class Reckoner:
         self._rejected = ()
         self.settle()
 
-    def doubt_current(self, sigma: float) -> None:
-        """As the filter's; what a receiver has said of speed before is of that current, too."""
-        self.filter.doubt_current(sigma)
-        self._pending = ()
-        self.settle()
-
     def settle(self) -> None:
         """Forgets the filter that was kept to go back to: the frame or the current is another
         now."""

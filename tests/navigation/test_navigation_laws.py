@@ -404,10 +404,10 @@ def test_a_vehicle_held_by_hand_is_not_sure_of_the_current_that_it_dives_into(
     for assumed in (None, 0.2, 0.5):
         nav = Navigation(vehicle, HOME)
         nav.restore(held.snapshot())
-        if assumed is not None:
-            nav.assume_current(assumed)
         for t in range(600, 600 + int(dived), 2):
             nav.telemetry(Telemetry(float(t), depth=0.2, heading=0.5, actuators=(0.0,) * 5))
+            if t == 600 and assumed is not None:
+                nav.assume_current(assumed)
         estimate = nav.estimate(600.0 + dived)
         assert estimate is not None
         widths.append(PLANE_95 * principal(estimate.covariance)[1])
