@@ -86,14 +86,13 @@ class Orders:
             except Contradicted as why:
                 given.become("contradicted", str(why))
             except OperatorError as why:
-                if given.is_now in ("sent", "unanswered") and self._line.acoustics is not None:
-                    given.become("unconfirmed", f"{why}; press again if you still mean it")
-                    return
-                if given.is_now in ("sent", "unanswered"):
+                unheard = given.is_now in ("sent", "unanswered")
+                if unheard and self._line.acoustics is None:
                     given.become("unanswered", f"{why}; it is said again")
                     await asyncio.sleep(AGAIN_S)
                     continue
-                given.become("unconfirmed", f"acknowledged; then {why}")
+                says = f"{why}; press again if you still mean it"
+                given.become("unconfirmed", says if unheard else f"acknowledged; then {why}")
             return
         if given.is_now in ("sent", "unanswered"):
             given.become("refused", "a newer order has taken its place")

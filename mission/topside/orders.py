@@ -72,11 +72,7 @@ def order(
     what = WORDS[which]
     answer = yield Ask(what, Emergency(which), _is_taken(which), tries=ORDER_TRIES, by_clock=True)
     if answer is None:
-        why = yield from _why_no_answer(what)
-        state = yield Ask("state", StateQuery(), lambda a: isinstance(a, StateReport))
-        if which is Order.STOP and isinstance(state, StateReport) and state.state == STOPPED:
-            raise Unconfirmed(why)  # each X more puts off that it is brought up (R7)
-        raise NoAnswer(why)
+        raise (yield from _why_no_answer(which))
     tell(f"{what}: the vehicle has it; what its reports show is looked at now")
     looks = (LOOKS_UNDER_WATER if under_water else LOOKS)[which]
     seen = yield from _look(which, looks)
@@ -156,11 +152,18 @@ def _surfaced(told: list[Status]) -> Seen:
     return Seen(False, f"its depth does not fall: {depths[0]:.1f} m, now {now:.1f} m")
 
 
-def _why_no_answer(what: str) -> Generator[Ask, Answer | None, str]:
+def _why_no_answer(which: Order) -> Generator[Ask, Answer | None, OperatorError]:
+    """Unconfirmed where the Pi is stopped: each X more puts off that it is brought up (R7)."""
+    what = WORDS[which]
     report = yield Ask("store", StoreQuery(), is_report)
     if report is None:
-        return f"no answer to {what}: it is not known whether it arrived"
-    return f"the Pi has {what} and goes on sending it, but the STM32 has not acknowledged it"
+        return NoAnswer(f"no answer to {what}: it is not known whether it arrived")
+    why = f"the Pi has {what} and goes on sending it, but the STM32 has not acknowledged it"
+    if which is Order.STOP:
+        state = yield Ask("state", StateQuery(), lambda a: isinstance(a, StateReport))
+        if isinstance(state, StateReport) and state.state == STOPPED:
+            return Unconfirmed(why)
+    return NoAnswer(why)
 
 
 def _is_taken(which: Order) -> Callable[[Answer], bool]:

@@ -13,7 +13,8 @@ from served import PATIENCE
 
 from mission.console.latency import Latency
 from mission.console.line import AGAIN_S, Line
-from mission.topside.upload import Ask, OperatorError, Script
+from mission.console.orders import Orders
+from mission.topside.upload import Ask, NoAnswer, OperatorError, Script
 from protocol.messages import DataQuery, StateReport
 from protocol.topside import encode
 
@@ -178,3 +179,30 @@ def test_what_waits_when_the_connection_is_lost_is_said_over_the_next_if_it_is_u
         await asyncio.sleep(0)
 
     asyncio.run(told())
+
+
+@pytest.mark.parametrize("under_water", [True, False])
+def test_an_order_that_nobody_answers_is_said_again_by_radio_alone(under_water: bool) -> None:
+    """By modem each X that arrives may put off that it is brought up."""
+
+    class Silent:
+        acoustics = object() if under_water else None
+        asked = 0
+
+        async def say(self, script: object, *, urgent: bool) -> str:
+            self.asked += 1
+            raise NoAnswer("no answer to stop")
+
+    async def press() -> tuple[int, str]:
+        line = Silent()
+        orders = Orders(line)  # type: ignore[arg-type]
+        orders.give("stop", lambda *_: None)
+        for _ in range(40):
+            await asyncio.sleep(0.05)
+            if line.asked > 1:
+                break
+        found = line.asked, orders.as_objects(0.0)[0]["is"]
+        orders.end()
+        return found
+
+    assert asyncio.run(press()) == ((1, "unconfirmed") if under_water else (2, "unanswered"))

@@ -9,7 +9,7 @@ from types import SimpleNamespace
 import pytest
 
 from links.simulated.settings import FaultEvent, Settings, parse_settings
-from mission.engine import core, engine
+from mission.engine import engine
 from mission.engine.core import Core
 from mission.engine.restart import begin_again
 from mission.engine.watch import Watch
@@ -44,8 +44,8 @@ def test_what_was_stopped_and_begins_again_as_surfaced_is_seen(
 ) -> None:
     """R7: a restart comes back to the very state: one floats up by itself, the other was up."""
 
-    def as_surfaced(the_core: Core, how: Restarted) -> None:
-        begin_again(the_core, replace(how, during=SURFACED) if how.during else how)
+    def as_surfaced(core: Core, how: Restarted) -> None:
+        begin_again(core, replace(how, during=SURFACED) if how.during else how)
 
     plan = stage("restarted_after_x", 0)
     assert judged(plan) == []
@@ -67,9 +67,9 @@ def test_thrust_that_stays_dead_behind_its_set_sent_again_is_seen(
     """R8: once, then up; a set that is sent again and again hid it."""
     repeat = Core.repeat_set
 
-    def for_ever(the_core: Core, why: str) -> None:
-        repeat(the_core, why)
-        the_core.watch.repeated = False
+    def for_ever(core: Core, why: str) -> None:
+        repeat(core, why)
+        core.watch.repeated = False
 
     plan = faulty(scene, "thrust_dead@60+120")
     assert judged(plan) == []
@@ -99,7 +99,7 @@ def test_a_port_that_clogs_at_rest_hides_no_water_that_comes_in_where_the_ground
     staged = stage("heavy_when_surfaced", 0)
     plan = replace(faulty("heavy_when_surfaced", *faults), incidents=staged.incidents)
     assert fly_plan(plan, plan.vehicle).track[-1].depth < 1.0
-    monkeypatch.setattr(core, "NEARS_GROUND", "said by nobody")
+    monkeypatch.setattr("mission.engine.core.NEARS_GROUND", "said by nobody")
     assert fly_plan(plan, plan.vehicle).track[-1].depth > 20.0
 
 
