@@ -57,7 +57,11 @@ class TcpClient:
         except OSError as error:
             why = error.strerror or error
             raise LinkAbsent(f"{name}: nobody answers at {self._where}: {why}") from error
-        peer = _address(connected.getpeername())
+        try:
+            peer = _address(connected.getpeername())
+        except OSError as error:  # it was reset as soon as it was there
+            connected.close()
+            raise LinkAbsent(f"{name}: {self._where} closed the connection at once") from error
         if tls is not None:
             try:
                 connected.settimeout(handshake)

@@ -7,6 +7,7 @@ import fcntl
 import os
 import select
 import socket
+import struct
 import subprocess
 import sys
 import termios
@@ -260,6 +261,27 @@ def test_a_slow_peer_gets_everything_in_order(server: TcpServer) -> None:
     until(complete)
     assert bytes(got) == data
     client.close()
+
+
+def test_a_connection_that_is_reset_as_soon_as_it_is_there_is_absent(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """As of a vehicle whose program ends in this moment; and its socket is closed."""
+    opened, connect = list[socket.socket](), socket.create_connection
+    with socket.create_server(("127.0.0.1", 0)) as listening:
+
+        def reset(*where: object, **more: object) -> socket.socket:
+            opened.append(connect(*where, **more))  # type: ignore[arg-type]
+            accepted, _ = listening.accept()
+            accepted.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
+            accepted.close()
+            select.select(opened, [], [], LONG)
+            return opened[0]
+
+        monkeypatch.setattr(socket, "create_connection", reset)
+        with pytest.raises(LinkAbsent, match="closed the connection at once"):
+            open_link("vehicle", f"tcp://127.0.0.1:{listening.getsockname()[1]}")
+    assert opened[0].fileno() == -1
 
 
 def test_a_port_in_use_is_busy_and_nobody_listening_is_absent(server: TcpServer) -> None:
