@@ -112,7 +112,7 @@ def drafted(
     """What the text says, as far as it could be read. Raises Unreadable where reading ended early
     (a text too large)."""
     try:
-        return draft(text, source, parameters or {}, _readings(vehicle), files)
+        return draft(text, source, parameters or {}, _named(vehicle), files)
     except MissionErrors as error:
         raise Unreadable(error.diagnostics, source) from None
 
@@ -135,10 +135,10 @@ def _loaded(vehicle: str | Vehicle) -> Vehicle:
     return vehicle if isinstance(vehicle, Vehicle) else load_vehicle(vehicle)
 
 
-def _readings(vehicle: str | Vehicle | None) -> Mapping[str, str] | None:
-    """Of the vehicle that the caller names; None where it names none, or none that can be read."""
+def _named(vehicle: str | Vehicle | None) -> Vehicle | None:
+    """The vehicle that the caller names; None where it names none, or none that can be read."""
     with contextlib.suppress(VehicleError):
-        return None if vehicle is None else _loaded(vehicle).readings
+        return None if vehicle is None else _loaded(vehicle)
     return None
 
 

@@ -42,6 +42,7 @@ CODES: Mapping[str, str] = MappingProxyType(
         "foreign-word": "a word that belongs to other leg types",
         "frame": "@ and $ are the wire's",
         "grounding": "a leg may be deeper than the sea floor of a file of depths",
+        "goes-round": "comparisons of a direction are another sector than their numbers say",
         "heavy": "the vehicle does not rise by itself",
         "held-last": "`held` stands behind the whole guard",
         "here": "`here` is no place to go to",

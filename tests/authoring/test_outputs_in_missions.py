@@ -20,6 +20,7 @@ from mission.engine.readings import Scope
 from mission.engine.variables import reading_row, value_of
 from mission.model import AUTONOMOUS, Chart, Health, Loaded
 from mission.model.shipped import load_vehicle
+from mission.model.units import GEARS
 from mission.model.vehicle import Output, Vehicle
 from mission.navigation import Navigation
 from protocol.messages import StartMission, Telemetry
@@ -47,7 +48,7 @@ legs:
 
 
 def chart_of(text: str, vehicle: Vehicle = ROV) -> Chart:
-    mission = parse(text, readings=vehicle.readings)
+    mission = parse(text, vehicle=vehicle)
     return compile_mission(mission, vehicle, digest(mission))
 
 
@@ -218,6 +219,18 @@ def test_the_vehicle_that_flies_says_which_readings_there_are() -> None:
     assert refused(LINES, other)[0] == "unknown-variable"
 
 
+def test_a_speed_is_made_by_the_gears_of_the_vehicle_that_flies() -> None:
+    text = LINES.replace("down 5 for 5s", "down 5 speed 0.4 for 5s")
+    table = ROV.speed_by_gear
+    slow = replace(ROV, speed_by_gear=replace(table, y=tuple(y / 2 for y in table.y)))
+    for vehicle in (ROV, slow):
+        surge = max(state.setpoint.surge or 0.0 for state in chart_of(text, vehicle).states)
+        assert surge == vehicle.gear_near(0.4) / GEARS
+    assert ROV.gear_near(0.4) < slow.gear_near(0.4)
+    too_fast = refused(LINES.replace("down 5 for 5s", "down 5 speed 0.6 for 5s"), slow)
+    assert too_fast[0] == "too-fast"
+
+
 def test_what_a_mission_asks_of_the_vehicle_file_is_told_like_every_variable() -> None:
     engine = Engine(ROV, None)
     engine.step(1.0, [Loaded(chart_of(LINES))])
@@ -245,6 +258,6 @@ def test_no_guard_goes_by_a_report_that_the_vehicle_file_calls_stale(started: bo
 def test_a_trend_of_a_reading_is_known_to_the_vehicle_that_has_it() -> None:
     rising = LINES.replace("metal > 50", "metal rises 20 within 30 s")
     assert chart_of(rising).sources[0][0] == "metal"
-    assert to_lines(parse(rising, readings=ROV.readings)).count("metal rises 20 within 30 s") == 1
+    assert to_lines(parse(rising, vehicle=ROV)).count("metal rises 20 within 30 s") == 1
     assert refused(rising.replace("20 within", "20 m within"))[0] == "unit"
     assert refused(rising.replace("20 within", "-1 within"))[0] == "range"

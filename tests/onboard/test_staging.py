@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from mission.onboard.runtime.staging import FORGOTTEN_AFTER_S, Held, OutOfPlace, Staging, Whole
 from protocol.messages import MissionLine
 
-LINES = ("mission a vehicle auv", "ZAF6", "wait 10s", "ZAF0")
+LINES = ("mission a vehicle auv sum 0123456789abcdef", "ZAF6", "wait 10s", "ZAF0")
 
 
 def line(number: int, lines: tuple[str, ...] = LINES) -> MissionLine:
@@ -38,7 +38,7 @@ def test_a_set_begins_with_line_1() -> None:
 def test_any_order_and_any_repetition_gives_the_lines_once_and_in_order(
     rnd: random.Random, count: int
 ) -> None:
-    lines = tuple(f"line {i}" for i in range(count))
+    lines = tuple(f"line {i} sum 1" for i in range(count))
     numbers = [*range(1, count + 1), *(rnd.randint(1, count) for _ in range(5))]
     rnd.shuffle(numbers)
     staging = Staging()
@@ -53,6 +53,24 @@ def test_a_different_line_1_drops_what_was_staged() -> None:
     other = ("mission b vehicle auv", "ZAF6", "wait 10s", "ZAF0")
     assert staging.offer(line(1, other), (), 0.0) == Held()
     assert (staging.have, staging.missing) == (1, "2-4")
+
+
+def test_a_line_1_without_a_sum_begins_anew_however_it_reads() -> None:
+    """An edited script that begins like the one before, which was refused or not finished: none of
+    its lines may stand in for one of the new script that was lost, or is still to come."""
+    plain = ("mission a vehicle auv", *LINES[1:])
+    staging = Staging()
+    for number in (1, 2, 3, 4, 1):
+        staging.offer(line(number, plain), (), 0.0)
+    assert (staging.have, staging.missing) == (1, "2-4")
+    assert staging.offer(MissionLine(4, 3, "wait 20s"), (), 1.0) == Held()
+    assert staging.offer(line(4, plain), (), 2.0) == Held()
+    assert staging.missing == "2"
+
+
+def test_a_line_1_with_its_sum_goes_on_with_its_set() -> None:
+    staging = Staging()
+    assert offer_all(staging, [1, 2, 1, 4, 3])[-1] == Whole(LINES)
 
 
 def test_another_total_drops_what_was_staged() -> None:
@@ -85,6 +103,15 @@ def test_a_late_duplicate_of_a_finished_upload_has_no_effect() -> None:
     assert staging.total == 0
     assert staging.offer(line(1), LINES, 0.0) == Held()
     assert not staging.incomplete(LINES, 0.0)
+
+
+def test_an_upload_that_repeats_the_stored_mission_but_for_a_lost_line_is_incomplete() -> None:
+    """The line that was edited may be the lost one, which only a sum could tell."""
+    plain = ("mission a vehicle auv", *LINES[1:])
+    staging = Staging()
+    for number in (1, 2, 4):
+        assert staging.offer(line(number, plain), plain, 0.0) == Held()
+    assert staging.incomplete(plain, 0.0)
 
 
 def test_what_differs_from_the_stored_mission_is_a_new_upload() -> None:

@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 
 from mission.authoring.compiler.axes import axis_where, own_setpoint, statement_problems
+from mission.authoring.compiler.directions import direction_problems
 from mission.authoring.compiler.granularity import granularity_problems
 from mission.authoring.compiler.outputs import output_problems
 from mission.authoring.compiler.refusing import refused
@@ -220,6 +221,7 @@ def guard_problems(
         if isinstance(term, Trend):
             yield from _never_true(term, place)
             yield from _between_reports(term, vehicle, place)
+    yield from direction_problems(expression, where)
 
 
 def _asked(

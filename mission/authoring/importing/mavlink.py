@@ -1,13 +1,15 @@
 """Items of a MAVLink mission (mavlink.io/en/messages/common.html, MAV_CMD and MAV_FRAME) as steps.
 
 The vehicle's home is on the water, so that a negative height is a depth in every frame but the two
-above terrain, where a positive one is an altitude. Items beyond 176 work payload and autopilot:
-they are left out. What changes where the vehicle goes and has no counterpart is refused.
+above terrain, where a positive one is an altitude. A height of 0 is the surface where other items
+are under water; where none is, a boat's plan, it says nothing of the depth. Items beyond 176 work
+payload and autopilot: they are left out. What changes where the vehicle goes and has no counterpart
+is refused.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from mission.authoring.importing.route import (
@@ -42,11 +44,17 @@ class Item:
     where: At
 
 
-class Reader:
+def steps_of(items: Iterable[Item], found: Findings) -> tuple[Step, ...]:
+    known = tuple(items)
+    reader = _Reader(found, dives=any(_is_under(item) for item in known))
+    return tuple(step for item in known for step in reader.steps(item))
+
+
+class _Reader:
     """Items in turn; a change of speed holds for those that follow."""
 
-    def __init__(self, found: Findings) -> None:
-        self._found = found
+    def __init__(self, found: Findings, dives: bool) -> None:
+        self._found, self._dives = found, dives
         self._speed: float | None = None
 
     def steps(self, item: Item) -> tuple[Step, ...]:
@@ -122,7 +130,14 @@ class Reader:
         if item.frame in _TERRAIN and height is not None and height > 0.0:
             return Point(place, item.where, altitude=height, speed=self._speed)
         depth = below(height, item.where, self._found)
+        if height == 0.0 and self._dives and item.frame not in _TERRAIN:
+            depth = 0.0
         return Point(place, item.where, depth=depth, speed=self._speed)
+
+
+def _is_under(item: Item) -> bool:
+    height = item.numbers[6]
+    return height is not None and height < 0.0
 
 
 def _has_place(item: Item) -> bool:

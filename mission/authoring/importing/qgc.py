@@ -13,7 +13,7 @@ import math
 from collections.abc import Iterator
 from functools import partial
 
-from mission.authoring.importing.mavlink import Item, Reader
+from mission.authoring.importing.mavlink import Item, steps_of
 from mission.authoring.importing.route import Fence, Findings, Route, Source, Step, position
 from mission.authoring.importing.tree import Value, values
 from mission.model import Position
@@ -40,9 +40,8 @@ def read(data: bytes, found: Findings) -> Source:
 
 
 def _steps(items: Value, found: Findings) -> tuple[Step, ...]:
-    reader = Reader(found)
     read = [_item(value, found) for value in _simple(items, found)]
-    return tuple(step for item in read if item is not None for step in reader.steps(item))
+    return steps_of((item for item in read if item is not None), found)
 
 
 def _fences(fence: Value, found: Findings) -> Iterator[Fence]:

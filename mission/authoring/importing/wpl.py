@@ -11,8 +11,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from functools import partial
 
-from mission.authoring.importing.mavlink import ABSOLUTE, WAYPOINT, Item, Reader, place_of
-from mission.authoring.importing.route import Findings, Route, Source, Step, number, text_of
+from mission.authoring.importing.mavlink import ABSOLUTE, WAYPOINT, Item, place_of, steps_of
+from mission.authoring.importing.route import Findings, Route, Source, number, text_of
 
 HEADER = "QGC WPL"
 _COLUMNS = 12
@@ -26,12 +26,7 @@ def read(data: bytes, found: Findings) -> Source:
     home = None
     if items and items[0].command == WAYPOINT and items[0].frame == ABSOLUTE:
         home = place_of(items.pop(0), found)
-    return Source((Route("", 2, partial(_steps, items, found)),), home)
-
-
-def _steps(items: list[Item], found: Findings) -> tuple[Step, ...]:
-    reader = Reader(found)
-    return tuple(step for item in items for step in reader.steps(item))
+    return Source((Route("", 2, partial(steps_of, items, found)),), home)
 
 
 def _items(lines: list[str], found: Findings) -> Iterator[Item]:

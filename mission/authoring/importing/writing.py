@@ -210,7 +210,7 @@ class _Writer:
         around = step.turns * math.tau * step.radius / self._speed(step.point)
         way = self._way_to(step.point) / self._ground_speed(step.point)
         leg = self._going(step.point, kind, 0.0)
-        return replace(leg, timeout=None, duration=_rounded_up(step.seconds or around + way))
+        return replace(leg, timeout=None, duration=_rounded_up(way + (step.seconds or around)))
 
     def _mow(self, step: Mow) -> Leg:
         point = step.point
@@ -225,7 +225,10 @@ class _Writer:
         """Cycles on the course to the point, as many as the way has room for; then to the point."""
         before, point = self._here, step.point
         way = self._way_to(point)
-        cycle = 2.0 * (step.deep - step.shallow) / max(math.tan(step.pitch), 1e-3)
+        height, boat = step.deep - step.shallow, self._vehicle
+        lasts = height / boat.dive_rate + height / boat.ascent_buoyancy  # s, whatever its pitch
+        steep = 2.0 * height / max(math.tan(step.pitch), 1e-3)
+        cycle = max(steep, lasts * self._speed(point))
         cycles = max(1, int(way / cycle)) if cycle > 0.0 else 1
         there = self._here
         heading = math.atan2(there[1] - before[1], there[0] - before[0]) % math.tau

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import re
 from bisect import bisect_right
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
@@ -27,6 +27,7 @@ from mission.model.extent import BYTES, STATEMENTS
 
 if TYPE_CHECKING:
     from mission.authoring.language.clauses import Statement
+    from mission.model.vehicle import Vehicle
 
 __all__ = [
     "MissionErrors",
@@ -80,11 +81,11 @@ def parse(
     text: str,
     source: str = "",
     parameters: Mapping[str, str] = _NONE,
-    readings: Collection[str] | None = None,
+    vehicle: Vehicle | None = None,
     files: Files = no_files,
 ) -> Mission:
     """Reads either form. Raises MissionErrors with everything that is wrong."""
-    return _whole(draft(text, source, parameters, readings, files))
+    return _whole(draft(text, source, parameters, vehicle, files))
 
 
 def _whole(read: Draft) -> Mission:
@@ -96,26 +97,26 @@ def draft(
     text: str,
     source: str = "",
     parameters: Mapping[str, str] = _NONE,
-    readings: Collection[str] | None = None,
+    vehicle: Vehicle | None = None,
     files: Files = no_files,
 ) -> Draft:
-    """Reads either form. ``readings``: what guards may ask for beside the variables; None: what the
-    vehicle's shipped file names. ``files`` reads those of places that it names.
-    Raises MissionErrors where reading ended early (a text too large)."""
+    """Reads either form. ``vehicle``: the one it is to fly on, whose readings guards may ask for
+    and whose gears make a speed; None: the shipped one that it names. ``files`` reads those of
+    places that it names. Raises MissionErrors where reading ended early (a text too large)."""
     text = text.removeprefix("\ufeff").replace("\r\n", "\n")
-    return _drafted(text, source, parameters, readings, files, yaml=is_yaml(text, source))
+    return _drafted(text, source, parameters, vehicle, files, yaml=is_yaml(text, source))
 
 
-def draft_script(lines: Sequence[str], readings: Collection[str] | None = None) -> Draft:
+def draft_script(lines: Sequence[str], vehicle: Vehicle | None = None) -> Draft:
     """What ``@AW`` brought, line by line; ``sum`` in line 1 must fit. Raises as ``draft`` does."""
-    return _drafted("\n".join(lines), "script", _NONE, readings, no_files, yaml=False)
+    return _drafted("\n".join(lines), "script", _NONE, vehicle, no_files, yaml=False)
 
 
 def _drafted(
     text: str,
     source: str,
     parameters: Mapping[str, str],
-    readings: Collection[str] | None,
+    vehicle: Vehicle | None,
     files: Files,
     yaml: bool,
 ) -> Draft:
@@ -127,7 +128,7 @@ def _drafted(
     else:
         from mission.authoring.language.lines import statements as read
     statements = list(_bounded(read(text, found), found))
-    mission, claimed = assembly.Assembly(found, parameters, readings, files).read(statements)
+    mission, claimed = assembly.Assembly(found, parameters, vehicle, files).read(statements)
     begins = tuple(sorted({statement.where.line for statement in statements}))
     if len(found):
         return Draft(mission, found, begins, bool(_HOME.search(text)), tuple(statements))
@@ -174,9 +175,9 @@ def read_file(path: str | Path) -> str:
     raise found.refusal("unreadable", NOWHERE, f"cannot be read: {why}", hint)
 
 
-def parse_script(lines: Sequence[str], readings: Collection[str] | None = None) -> Mission:
+def parse_script(lines: Sequence[str], vehicle: Vehicle | None = None) -> Mission:
     """What ``@AW`` brought, line by line; ``sum`` in line 1 must fit. Raises MissionErrors."""
-    return _whole(draft_script(lines, readings))
+    return _whole(draft_script(lines, vehicle))
 
 
 def to_yaml(mission: Mission) -> str:

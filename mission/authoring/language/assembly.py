@@ -12,7 +12,7 @@ reachability (mission.authoring.check).
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from mission.authoring.language import elsewhere
@@ -53,6 +53,7 @@ from mission.model.diagnostics import Diagnostics
 from mission.model.extent import AREAS, DEEPEST_GROUP, HANDLERS, NAME
 from mission.model.likeness import nearest, suggestion
 from mission.model.shipped import missions_folder
+from mission.model.vehicle import Vehicle
 
 UNNAMED = "unnamed"
 DEFAULT_VEHICLE = "auv"
@@ -102,13 +103,13 @@ class Assembly:
         self,
         problems: Diagnostics,
         parameters: Mapping[str, str],
-        readings: Collection[str] | None = None,
+        vehicle: Vehicle | None = None,
         files: Files = no_files,
     ) -> None:
-        """``readings``: as of Values."""
+        """``vehicle``: as of Values."""
         self._files = files
         self._problems = problems
-        self._given, self._readings = parameters, readings
+        self._given, self._flown = parameters, vehicle
         self._head = _Head()
         self._seen: dict[str, Where] = {}
         self._scopes = [_Scope(None)]
@@ -118,8 +119,8 @@ class Assembly:
     def read(self, statements: Sequence[Statement]) -> tuple[Mission, Name | None]:
         """The mission, and the ``sum`` it claims."""
         parameters = read_parameters(statements, self._given, self._problems)
-        vehicle = self._vehicle(statements)
-        self._values = Values(self._problems, parameters, vehicle, self._readings)
+        named = self._vehicle(statements)
+        self._values = Values(self._problems, parameters, named, self._flown)
         areas = {s.name.text: s for s in statements if isinstance(s, AreaText)}
         self._legs = Legs(self._values, areas, self._files)
         for index, statement in enumerate(statements):

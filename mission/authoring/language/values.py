@@ -59,32 +59,33 @@ _FAR = 20_000.0  # m: no mission of this vehicle goes farther from home
 
 
 class Values:
-    """Reads values for one file; ``vehicle`` is the name of the one it is for. ``readings``: what
-    guards may ask for beside the variables; None: what that vehicle's shipped file names."""
+    """Reads values for one file; ``named`` is the vehicle that it is for. ``flown``: the one it is
+    to fly on, whose readings guards may ask for and whose gears make a speed; None: the shipped
+    one of that name."""
 
     def __init__(
         self,
         problems: Diagnostics,
         parameters: Mapping[str, Amount],
-        vehicle: str,
-        readings: Collection[str] | None = None,
+        named: str,
+        flown: Vehicle | None = None,
     ) -> None:
         self.problems = problems
         self._parameters = parameters
-        self._name, self._given = vehicle, readings
+        self._named, self._flown = named, flown
 
     @functools.cached_property
     def vehicle(self) -> Vehicle | VehicleError:
+        if self._flown is not None:
+            return self._flown
         try:
-            return load_vehicle(self._name)
+            return load_vehicle(self._named)
         except VehicleError as error:
             return error
 
     @property
     def _readings(self) -> Collection[str]:
         """What the vehicle file names beside the variables."""
-        if self._given is not None:
-            return self._given
         vehicle = self.vehicle
         return () if isinstance(vehicle, VehicleError) else vehicle.readings
 

@@ -335,6 +335,9 @@ class _Form:
         if target is None or text is None:
             return
         if text.text in ("uncertain", "timeout"):
+            if held is not None:
+                message = f"{text.text} has no held: what follows it does so at once"
+                self._problems.add("unknown-word", held.where, message, "leave held out")
             yield On(text.text, target, where_of(node))
             return
         guard = self._syntax.guard(strip_of(keys["when"]))

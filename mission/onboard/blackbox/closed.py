@@ -34,6 +34,7 @@ from mission import __version__
 from mission.authoring.language import MissionErrors, parse_script, to_yaml
 from mission.model import Record
 from mission.model.plain import to_plain
+from mission.model.vehicle import Vehicle
 from mission.onboard.blackbox.form import (
     HEAD,
     MAGIC,
@@ -259,13 +260,15 @@ def _attachments(start: rec.Start, found: Iterable[Found]) -> list[tuple[str, st
         said = json.loads(record.payload)
         if said["digest"]:
             name = f"mission-{said['digest'][:8]}.yaml"
-            made.append((name, "application/yaml", _mission_text(said["lines"]).encode()))
+            made.append(
+                (name, "application/yaml", _mission_text(said["lines"], start.vehicle).encode())
+            )
     return list(dict.fromkeys(made))
 
 
-def _mission_text(lines: list[str]) -> str:
+def _mission_text(lines: list[str], vehicle: Vehicle) -> str:
     """As authors read it; the script itself where this version cannot."""
     try:
-        return to_yaml(parse_script(lines))
+        return to_yaml(parse_script(lines, vehicle))
     except MissionErrors:
         return "\n".join(lines) + "\n"

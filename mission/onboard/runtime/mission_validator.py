@@ -57,7 +57,7 @@ def judge(lines: tuple[str, ...], vehicle: Vehicle) -> Chart:
         raise MissionRefused(f"missions cannot be judged: {error}") from error
 
     try:
-        made = charted(draft_script(lines, vehicle.readings), vehicle)
+        made = charted(draft_script(lines, vehicle), vehicle)
     except MissionErrors as error:
         raise MissionRefused(_said(error.diagnostics[0])) from None
     if made.chart is None:

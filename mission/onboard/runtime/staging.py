@@ -1,6 +1,7 @@
 """The lines of a mission on their way in (R3): a set beside the stored one, until it is whole.
 
-    line 1      begins a set; a different line 1 or another total drops the set before
+    line 1      begins a set and drops the one before, as another total does; one that repeats the
+                line 1 of that set drops nothing if it has a sum, which no other mission has
     line 2..n   in any order, any number of times; a line already held has no effect
     whole       every offer answers ``Whole`` until the set is stored (``clear``) or dropped:
                 a set that was refused can be mended by sending one line again
@@ -19,6 +20,7 @@ from protocol.messages import MissionLine
 
 GREATEST_TOTAL = 9999  # E-F3: a line cut inside its counters always claims more
 FORGOTTEN_AFTER_S = 600.0
+_SUM = " sum "
 MISSING_CHARACTERS = 120  # of an @AR; a sender that gets them all asks again
 
 
@@ -55,7 +57,7 @@ class Staging:
             return OutOfPlace(f"{line.total} lines: a mission has at most {GREATEST_TOTAL}")
         if not 1 <= line.current <= line.total:
             return OutOfPlace(f"line {line.current} of {line.total}: count from 1 to the total")
-        if line.total != self._total or (line.current == 1 and line.payload != self._lines.get(1)):
+        if line.total != self._total or (line.current == 1 and not self._goes_on(line.payload)):
             self.clear()
             if line.current != 1:
                 return _repeated(line, stored)
@@ -64,6 +66,11 @@ class Staging:
         if len(self._lines) < self._total:
             return Held()
         return Whole(tuple(self._lines[i] for i in range(1, self._total + 1)))
+
+    def _goes_on(self, first: str) -> bool:
+        """Whether this line 1 is of the same mission. Without a sum an edited script may begin like
+        the one before, and what is left of that would be mixed with it."""
+        return _SUM in first and first == self._lines.get(1)
 
     def holds(self, line: MissionLine) -> bool:
         return line.total == self._total and self._lines.get(line.current) == line.payload
@@ -83,10 +90,11 @@ class Staging:
 
     def incomplete(self, stored: tuple[str, ...], now: float) -> bool:
         """Lines are missing; not so where all that came only repeats the stored mission (a late
-        duplicate of an upload that is done)."""
+        duplicate of an upload that is done), as its sum in line 1 says."""
         self.forget(now)
-        repeats = len(stored) == self._total and all(
-            stored[i - 1] == payload for i, payload in self._lines.items()
+        repeats = self._goes_on("".join(stored[:1])) and all(
+            len(stored) == self._total and stored[i - 1] == payload
+            for i, payload in self._lines.items()
         )
         return len(self._lines) < self._total and not repeats
 

@@ -136,7 +136,7 @@ class Derivation:
         self._chart = None
         with contextlib.suppress(MissionErrors):  # of this version
             if said["digest"]:
-                mission = parse_script(said["lines"])
+                mission = parse_script(said["lines"], self.start.vehicle)
                 self._chart = compile_mission(mission, self.start.vehicle, said["digest"])
         yield from self._plan(record.t)
 

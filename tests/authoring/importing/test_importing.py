@@ -39,6 +39,7 @@ from mission.cli import main
 from mission.legs import Goto, Loiter, Rows, Surface, Yoyo
 from mission.model import Leg, Local, Mission, Position
 from mission.model.diagnostics import Diagnostic, Stage
+from mission.model.shipped import load_vehicle
 from mission.navigation.geodesy import LocalFrame
 
 FRAME = LocalFrame(Position(*HOME))
@@ -365,7 +366,9 @@ def test_mavlink_circles_and_the_way_home_have_their_legs(tmp_path: Path) -> Non
     assert (first.kind.radius, first.kind.side) == (25.0, -1)
     assert first.duration is not None
     assert first.duration >= 2 * math.tau * 25.0 / 0.75
-    assert second.duration == 90.0
+    assert second.duration is not None
+    way = math.dist(local(first.kind.place), local(second.kind.place)) / 0.75
+    assert 90.0 + way <= second.duration <= 90.0 + 4.0 * way  # on the circle, behind the way to it
     assert settings(second)["altitude"] == 4.0
     assert isinstance(home.kind, Goto)
     assert home.kind.place == "home"
@@ -423,17 +426,39 @@ def test_rows_that_ours_cannot_be_are_refused(more: str, tmp_path: Path) -> None
     assert imported(tmp_path, ".nmis", text, "--gear", "6").exit_code == 2
 
 
-def test_a_yoyo_goes_to_its_point_between_its_depths(tmp_path: Path) -> None:
+def yoyo_node(pitch: float) -> str:
     place = f"<latitude>{A[0]}</latitude><longitude>{A[1]}</longitude>"
     text = f"""<YoYo><finalPoint><point><coordinate>{place}<z>6</z><zunits>DEPTH</zunits>
-</coordinate></point></finalPoint><amplitude>3</amplitude><pitch>0.4</pitch>
+</coordinate></point></finalPoint><amplitude>3</amplitude><pitch>{pitch}</pitch>
 <speed unit="m/s">0.75</speed></YoYo>"""
-    mission = made(tmp_path, ".nmis", neptus(neptus_node("y", text, True)))
-    yoyo, there, _ = legs(mission)
+    return neptus_node("y", text, True)
+
+
+def test_a_yoyo_goes_to_its_point_between_its_depths(tmp_path: Path) -> None:
+    pitch, way = 0.2, math.hypot(*local(Position(*A)))
+    yoyo, there, _ = legs(made(tmp_path, ".nmis", neptus(yoyo_node(pitch))))
     assert isinstance(yoyo.kind, Yoyo)
     assert (yoyo.kind.shallow, yoyo.kind.deep) == (3.0, 9.0)
-    assert yoyo.kind.cycles == int(math.hypot(*local(Position(*A))) / (12.0 / math.tan(0.4)))
+    assert yoyo.kind.cycles == int(way / (12.0 / math.tan(pitch)))
     assert isinstance(there.kind, Goto)
+
+
+def test_cycles_of_a_yoyo_are_no_steeper_than_the_hull(tmp_path: Path) -> None:
+    steep, _, _ = legs(made(tmp_path, ".nmis", neptus(yoyo_node(0.7))))
+    auv, way = load_vehicle("auv"), math.hypot(*local(Position(*A)))
+    assert isinstance(steep.kind, Yoyo)
+    lasts = 6.0 / auv.dive_rate + 6.0 / auv.ascent_buoyancy
+    assert steep.kind.cycles == int(way / (lasts * 0.75)) < int(way / (12.0 / math.tan(0.7)))
+
+
+def test_a_height_of_0_is_the_surface_where_others_are_under_water(tmp_path: Path) -> None:
+    above = item(16, 0, 0, 0, 0, *A, 0)
+    dives = plan([above, item(16, 0, 0, 0, 0, *B, -5)])
+    first, second, _ = legs(made(tmp_path, ".plan", dives, *answers()))
+    assert settings(first)["depth"] == 0.0
+    assert settings(second)["depth"] == 5.0
+    first, _ = legs(made(tmp_path, ".plan", plan([above]), *answers()))  # a boat's
+    assert settings(first)["depth"] == 5.0
 
 
 def test_pop_ups_and_paths_of_neptus_have_their_legs(tmp_path: Path) -> None:

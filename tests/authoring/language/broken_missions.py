@@ -312,6 +312,8 @@ BROKEN = (
            'mission: m\nlegs:\n  - wait 5 s\non:\n  - {when: battery < 11 V}'),
     Broken('twice', 5, 43, 'held appears twice', 'keep one of them',
            'mission: m\nlegs:\n  - wait 5 s\non:\n  - {when: battery < 11 V held 5 s, held: 10 s, do: surface}'),
+    Broken('unknown-word', 5, 29, 'uncertain has no held: what follows it does so at once', 'leave held out',
+           'mission: m\nlegs:\n  - wait 5 s\non:\n  - {when: uncertain, held: 2 min, do: surface}'),
     Broken('unknown-word', 2, 8, "start has no 'now'", 'write start: without fix, or leave it out',
            'mission: m\nstart: now\nlegs:\n  - wait 5 s'),
     Broken('yaml', 3, 1, 'this is no YAML: found character that cannot start any token', 'indent with blanks, and put quotes around a text t',
