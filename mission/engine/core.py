@@ -15,7 +15,7 @@ from mission.engine.bounds import in_force
 from mission.engine.flying import Flying
 from mission.engine.limits import Limit
 from mission.engine.machine import Machine
-from mission.engine.rest import DEEP, DEEP_AGAIN, UNSEEN, Hold, fixes_end
+from mission.engine.rest import DEEP, DEEP_AGAIN, ENDED, UNSEEN, Hold, fixes_end
 from mission.engine.vehicle_state import IN_AIR, SURFACE_DEPTH, SURFACE_TIME
 from mission.model import (
     AUTONOMOUS,
@@ -35,6 +35,7 @@ from mission.model import (
     Result,
 )
 from mission.model.regions import IDLE, MANUAL
+from mission.navigation.fixes import RECENT
 from protocol.messages import UPWARD, Order
 
 _LATER = 0.5  # s behind a report's age, and it is not believed
@@ -129,14 +130,21 @@ class Core(Flying):
         self._move(name, state, why, self._stop(why), by)
 
     def surface(
-        self, name: str, why: str, by: By, evaluations: tuple[Evaluation, ...] = ()
+        self,
+        name: str,
+        why: str,
+        by: By,
+        evaluations: tuple[Evaluation, ...] = (),
+        *,
+        sinks: bool = False,
     ) -> None:
-        """emergency/surfacing, from anywhere; ``name`` is the row of the region table. An ascent
+        """emergency/surfacing, from anywhere; ``name`` is the row of the region table, ``sinks``:
+        it goes down though everything is stopped. An ascent
         that is under way, or that a leg has begun, goes on: to begin it anew would undo what it has
         found out. An operator's W leaves as it is, and behind it the way in use. Where that is not
         W it does so once a turn: said again and again it would keep that way from the board."""
         vehicle_state = self.vehicle_state
-        sinking = name == "limit" and self.rests
+        sinking = sinks or (name == "limit" and self.rests)
         self._sank = self._sank or (sinking and self.active == SURFACED)
         begun = self.ascent if self.active == SURFACING else self.leg_ascent
         held = self.hold.way if self.hold and vehicle_state.depth is not None else None
@@ -240,11 +248,12 @@ class Core(Flying):
     def mind_rest(self) -> None:
         """Looks, with each report, for a vehicle that sinks although everything is stopped, or that
         stays deep after X; brings it up, each time that happens (R7)."""
-        kind = ("stopped" if self.active == STOPPED else "rest") if self.rests else ""
+        kind = ("stopped" if self.active == STOPPED else "rest") if self._stands else ""
+        kind = "leg" if kind and self.region == AUTONOMOUS else kind
         state, surfaced = self.vehicle_state, self.active == SURFACED
         if kind != self.rested:
             self.rested = kind
-            proved = surfaced and self.let_go_at > -math.inf
+            proved = (surfaced or kind == "leg") and self.let_go_at > -math.inf
             unseen = (state.depth is None or self.moved_blind) and not proved
             self.rest.begin(SURFACE_DEPTH if proved else math.nan, unseen=unseen)
         report = state.telemetry
@@ -257,7 +266,7 @@ class Core(Flying):
         why = stays if kind == "stopped" else self.rest.sinks or stays
         why = "" if state.depth is None else why  # it may be on deck by now
         if (why := why or self.rest.goes_down) and self.auto:
-            self.surface("limit", why, By.LIMIT)
+            self.surface("limit", why, By.LIMIT, sinks=True)
         elif self.hold is not None:
             self._mind_hold(self.hold)
 
@@ -270,7 +279,8 @@ class Core(Flying):
             depth, told = self.vehicle_state.depth, "no depth is believed"
             if depth is not None:
                 told = "the depth stands" if depth > IN_AIR else "the depth is above the water"
-            self.surface("limit", f"{ended} since it was {done}, and {told}", By.LIMIT)
+            why = f"{ended} since it was {done}, and {told}"
+            self.surface("limit", why, By.LIMIT, sinks=True)
 
     @property
     def _depth_tells(self) -> bool:
@@ -291,9 +301,10 @@ class Core(Flying):
         """When the fixes that proved the surface count as ended, and which; never where it was let
         go a minute before: it floats. What is held up may lose that long after."""
         state, since = self.vehicle_state, self.let_go_at if self.hold is None else self.hold.since
-        if not (self.active == SURFACED or self.region == IDLE):
+        in_leg = self._stands and self.region == AUTONOMOUS
+        if not (self.active == SURFACED or self.region == IDLE or in_leg):
             return math.inf, ""
-        due, ended = fixes_end(state.receiver, since)
+        due, ended = fixes_end(state.receiver, since, RECENT if in_leg else ENDED)
         nears = NEARS_GROUND in state.contradicted  # what floats and loses its fixes does not
         if self.hold is None and not nears and max(due, self.now) > since + UNSEEN:
             return math.inf, ""

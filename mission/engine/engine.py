@@ -110,9 +110,9 @@ class Engine:
         self.core.watch.topside_silence = seconds
 
     def hear_stick(self, now: float) -> None:
-        """Notes an M that was refused before it came here: a held stick takes over no emergency
-        (R6)."""
-        self.core.any_stick = now
+        """Notes an M that was refused, here or before it came here (R6)."""
+        if self.core.any_stick != now:
+            self.core.any_stick, self.core.push_at = now, None
 
     def hear_topside(self, now: float) -> None:
         """Notes that some operator sent a good frame."""

@@ -108,8 +108,10 @@ class Flying(EngineState):
             passed.append(action)
         if self.run is None or not self.run.at_surface:
             self.stop_at = self.stopped_at = None
+            self.let_go_at = -math.inf
         elif passed:
             self.stop_at, self.stopped_at = self.now + REPEAT_STOP, None
+            self.let_go_at = self.now
         return tuple(passed)
 
     def say(self, action: Action) -> None:

@@ -54,6 +54,7 @@ from protocol.messages import (
 from protocol.operator_words import WORDS, OperatorWord
 
 STICK_QUIET = 2.0  # s (R6)
+PUSHED, WAITED = 0.15, 3  # s of a push, and the most words that a stick says in that time (R6)
 START_DEPTH = 2.0  # m: without fixes a mission starts above it (R7)
 CLEAR_AGAIN = (5.0, 30.0)  # s after an @AC that was refused there another one is meant (R7)
 PROOF_AGE = 10.0  # s that the fixes which prove a surface may be old
@@ -85,20 +86,37 @@ def set_safety(core: Core, command: SetSafety) -> Verdict:
 
 
 def manual(core: Core, command: Manual) -> Verdict:
-    silent_since = max(core.any_stick, core.emergency_at)
+    not_pushed = _not_pushed(core)
     core.any_stick = core.now
     if core.ending_since is not None and not hears_stick(core):
         return Verdict(False, f"{WHY}: nobody would stop what the stick moves")
     if core.region == EMERGENCY:
-        if core.now - silent_since < STICK_QUIET:
-            return Verdict(False, "an emergency: every stick has to be still for 2 s before")
         if command.neutral:
+            core.push_at = None
             return Verdict(False, "an emergency: a stick in neutral does not take it over")
+        if not_pushed:
+            return Verdict(False, f"an emergency: {not_pushed}")
     core.stick = core.watch.led_down = core.now
     core.stop_at = core.stopped_at = None  # a stop from before it is over
     if core.active != MANUAL_DRIVING:
         core.take_stick()
     return ACCEPTED
+
+
+def _not_pushed(core: Core) -> str:
+    """Why this M takes over no emergency; "" if it does. It goes on with a push that began behind
+    2 s in which every stick was still. The first M of one does not tell: after the radio was away,
+    or the Pi stood still, those of a stick that was held all the time come at once, more than a
+    stick says in that time."""
+    if core.now - max(core.any_stick, core.emergency_at) >= STICK_QUIET:
+        core.push_at, core.push_words = core.now, 0
+    if core.push_at is None or core.push_at <= core.emergency_at:
+        return "every stick has to be still for 2 s before"
+    begins = core.now < core.push_at + PUSHED
+    core.push_words += begins
+    if core.push_words > WAITED:
+        return "every stick has to be still for 2 s before"
+    return "a push that goes on takes it over" if begins else ""
 
 
 def _at_surface(core: Core) -> bool:

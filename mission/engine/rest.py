@@ -1,7 +1,7 @@
 """Detects a vehicle that sinks although everything is stopped: no state may be the end of it (R7).
 
     idle, waiting   over 2 m, and 0.5 m deeper than it has been since it came to rest, in reports
-                    over at least a second
+                    over at least a second; so in a leg that waits at the surface
     surfaced        the same over 1 m: that it sinks where it was let go is known sooner there
     stopped         over 2 m, and 20 s since X or since it was last another 0.5 m less deep: X is
                     also given for a diver, who is left to the buoyancy first
@@ -21,11 +21,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Self
+from typing import TYPE_CHECKING, Self
 
 from mission.model.copies import copied
 from mission.navigation.fixes import RECENT, SETTLED, Receiver
 from protocol.messages import Order, Setpoint
+
+if TYPE_CHECKING:
+    from mission.engine.vehicle_state import VehicleState
 
 DEEP = 2.0  # m
 DEEP_AGAIN = 1.0  # m, in surfaced
@@ -175,15 +178,21 @@ class Rest:
         return f"it does not rise though everything is stopped, {self._depth:.1f} m deep"
 
 
-def fixes_end(receiver: Receiver, since: float) -> tuple[float, str]:
-    """When those that came from ``since`` s on have ended, or will have if none follows, and which
-    in words; inf where none came."""
+def fixes_end(receiver: Receiver, since: float, quiet: float = ENDED) -> tuple[float, str]:
+    """When those that came from ``since`` s on have ended, or will have if none follows for
+    ``quiet`` s, and which in words; inf where none came."""
     ends = [
         (at + ended, f"no {missing} for {ended:g} s")
         for missing, at, ended in (
-            ("fix", receiver.last_at, ENDED),
+            ("fix", receiver.last_at, quiet),
             ("new place", receiver.news_at, RECENT),
         )
         if at >= since - SETTLED
     ]
     return min(ends, default=(math.inf, ""))
+
+
+def may_have_sunk(state: VehicleState, since: float) -> bool:
+    """Whether a depth that stands is all that shows the surface, and the fixes that came there
+    ``since`` s have ended: it may have frozen there."""
+    return state.repeats and fixes_end(state.receiver, since, RECENT)[0] <= state.now

@@ -21,6 +21,7 @@ from mission.engine.lasting import Lasting
 from mission.engine.memory import Memory
 from mission.engine.plan import Plan, name_of, plan_of, repeat_of
 from mission.engine.readings import Scope, Value
+from mission.engine.rest import may_have_sunk
 from mission.engine.variables import VARIABLES, value_of
 from mission.engine.vehicle_state import SURFACE_TIME, VehicleState
 from mission.engine.words import short
@@ -134,8 +135,7 @@ class Run:
             return self.ascent.first()
         self.ascent = vehicle_state.rising_since = None
         self._clearance.begin()
-        view = self._view(vehicle_state)
-        begin = self._plan.kind.begin
+        begin, view = self._plan.kind.begin, self._view(vehicle_state)
         self._pilot = begin(self._plan.leg.kind, self._plan.base, view) if begin else None
         stop = (Action(Order.STOP, f"{why}: the ascent is over"),) if before else ()
         self.sent = self._wanted(vehicle_state)
@@ -258,7 +258,7 @@ class Run:
 
     def _surfaced(self, vehicle_state: VehicleState) -> bool:
         """Proved by this ascent, and seen to be so still."""
-        if self.ascent is None:
+        if self.ascent is None or may_have_sunk(vehicle_state, self.ascent.began):
             return False
         return vehicle_state.surfaced(max(self.ascent.began, vehicle_state.now - SURFACE_TIME))
 

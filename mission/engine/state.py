@@ -54,6 +54,8 @@ class EngineState:
         self.doubted_at = -math.inf  # when a report last contradicted a stop, since the last X
         self.stick = -math.inf  # the last M that was obeyed
         self.any_stick = -math.inf  # the last M of anybody, obeyed or not (R6)
+        self.push_at: float | None = None  # when the push began that may take an emergency over
+        self.push_words = 0  # said in its first moments
         self.clear_refused = -math.inf  # the last @AC that was, where it may be repeated
         self.outputs = OutputKeeper(vehicle.outputs)
         self.rest = Rest(vehicle.limits.descent_rate)

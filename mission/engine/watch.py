@@ -28,7 +28,8 @@ from mission.navigation.health import doubted
 from protocol.messages import Fix, Setpoint, Telemetry
 
 _ALLOWANCE = 2.0  # m of momentum, waves and noise that are no descent
-_SINKING = 0.1  # m/s: less is no descent
+_SINKING = 0.1  # m/s: less is no descent, ...
+_SLOWLY = 20.0  # s: ... but to be deeper for longer than a wave, under a set that holds no depth
 _RATE_TIME = 1.0  # s: over less, the noise of two depths is no rate
 _BEYOND = 0.5  # m deeper than a dive at the greatest rate: less is noise
 _STALE = 10.0  # s: two depths farther apart give no rate
@@ -48,13 +49,14 @@ _ROLLS_OUT, _STANDS = 2.0, 0.05  # s, m/s: of what drives, from a stop on
 
 
 class Descent:
-    __slots__ = ("_beyond", "_depth", "_shallowest", "_t", "unexplained", "words")
+    __slots__ = ("_beyond", "_deeper_since", "_depth", "_shallowest", "_t", "unexplained", "words")
 
     words: str
 
     def __init__(self) -> None:
         self._t, self._depth, self._beyond = -math.inf, 0.0, 0.0
         self._shallowest: float | None = None
+        self._deeper_since: float | None = None
         self.unexplained: bool | None = None
         self.words = ""
 
@@ -65,7 +67,10 @@ class Descent:
         """What it goes down until the next depth that counts is no descent, told or not."""
         self._shallowest = None
 
-    def take(self, t: float, depth: float | None, asked: bool, fastest: float) -> None:
+    def take(
+        self, t: float, depth: float | None, asked: bool, fastest: float, driven: bool = False
+    ) -> None:
+        """One report; ``asked``: for a descent, ``driven``: by a set that holds no depth."""
         if depth is None:
             self.unexplained = None
             return
@@ -79,15 +84,23 @@ class Descent:
             asked, self._shallowest = True, seen
         self._shallowest = min(self._shallowest, seen)
         if not 0.0 < since <= _STALE:
-            self._beyond, self.unexplained = 0.0, None
+            self._beyond, self.unexplained, self._deeper_since = 0.0, None, None
             return
         rate, deeper = (depth - before) / since, depth - self._shallowest
         self._beyond = max(0.0, self._beyond + (rate - fastest) * since)
-        sinks = not asked and deeper > _ALLOWANCE and rate > _SINKING
+        below = not asked and deeper > _ALLOWANCE
+        slowly = self._lasts(t, below and driven)
+        sinks = below and (rate > _SINKING or slowly)
         self.unexplained = sinks or (rate > fastest and self._beyond > _BEYOND)
         if self.unexplained:
             asked_words = "" if asked else ", and nothing asked for it"
             self.words = f"sinking at {rate:.2f} m/s at {depth:.1f} m{asked_words}"
+
+    def _lasts(self, t: float, deeper: bool) -> bool:
+        """Whether it has been deeper for longer than a wave, without a break: a slow descent."""
+        begun = t if self._deeper_since is None else self._deeper_since
+        self._deeper_since = begun if deeper else None
+        return t - begun >= _SLOWLY
 
 
 class Steering:
@@ -263,7 +276,8 @@ class Watch:
         self.heard = report.t
         self.closing.take(report)
         depth, fastest = self.vehicle_state.depth, self.vehicle.limits.descent_rate
-        self.descent.take(report.t, depth, self._dive_asked(), fastest)
+        driven = self.sent is not None and self.sent.depth is None  # one that is held: Progress
+        self.descent.take(report.t, depth, self._dive_asked(), fastest, driven)
         heading = report.heading if self.vehicle_state.health("heading").valid else None
         self.progress.take(report.t, depth, self.sent.depth if self.sent else None)
         self.steering.take(report.t, heading, self.sent.heading if self.sent else None)

@@ -703,7 +703,7 @@ def test_a_stick_ends_the_way_up_and_the_next_ascent_counts_anew():
     world.nav.doubt["depth"] = "absurd"
     way_up = (3.0 + 20.0 * SINK) / RISE
     world.wait(way_up)
-    world.tell(M)
+    world.push()
     world.wait(1.0)
     world.tell(W)
     fixes(world, 30)

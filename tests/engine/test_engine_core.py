@@ -228,7 +228,7 @@ def test_idle_by_the_stick_ends_what_an_emergency_forbade():
     world.tell(X)
     world.depth = 0.2
     world.wait(3.0)
-    world.tell(M)
+    world.push()
     world.wait(61.0)
     assert world.state == IDLE_READY
     world.tell(M)

@@ -232,7 +232,7 @@ def test_the_stick_is_heard_until_the_vehicle_needs_nobody():
     world = flying_at(5.0)
     world.tell(Ending())
     world.wait(2.5)
-    world.tell(M)
+    world.push()
     assert (world.verdicts[-1].accepted, world.state) == (True, MANUAL_DRIVING)
     on_deck = World()
     on_deck.wait(8.0)
@@ -249,7 +249,7 @@ def test_the_stick_takes_an_ascent_over_only_where_it_is_left_to_it(depth: float
     world.depth = depth
     world.tell(world.report())
     before = len(world.actions)
-    world.tell(M)
+    world.push()
     assert (world.verdicts[-1].accepted, since(world, before)) == (may, [])
     assert world.state == (MANUAL_DRIVING if may else SURFACING)
 

@@ -323,7 +323,10 @@ def test_what_has_held_it_up_in_between_is_said_again_and_nothing_else():
 def test_what_the_stick_or_a_clear_has_taken_over_is_held_up_no_more(taken):
     """Nor is it behind the next ascent: it may float by now, and people may pick it up."""
     world = held_up()
-    world.tell(taken)
+    if taken is M:
+        world.push()
+    else:
+        world.tell(taken)
     said = len(world.actions)
     world.actuators = (0.0,) * 5
     world.wait(20.0)
@@ -565,6 +568,60 @@ def test_what_a_leg_has_let_go_at_the_surface_is_watched_when_the_mission_is_end
     told_fixes(world, 3)
     world.wait(20.0)
     assert world.state == SURFACING
+
+
+def waits_at_the_surface(seconds: float = 600.0) -> World:
+    """A leg of so long, its ascent over."""
+    up = leg("up", kind=Surface(), settings=(), timeout=None, duration=seconds)
+    world = World(mission(up, leg("b", timeout=600.0)))
+    assert world.start()
+    told_fixes(world, 9)
+    assert (world.state, world.commands()[-1]) == ("autonomous/up", Order.STOP)
+    return world
+
+
+@pytest.mark.parametrize("rate", [0.02, 0.04, 0.09])
+def test_a_leg_that_waits_at_the_surface_is_watched_for_sinking(rate: float):
+    world = waits_at_the_surface()
+    said = len(world.actions)
+    sink(world, rate, 6.0)
+    assert world.state == SURFACING
+    assert world.depth is not None and world.depth < 2.5
+    assert "though everything is stopped" in world.engine.reason
+    assert world.commands()[said:][0] is not Order.STOP
+
+
+def test_a_leg_that_waits_is_brought_up_where_the_depth_stands_and_the_fixes_end():
+    """Frozen at the surface, and it sinks: the leg's end would be the surface, under water."""
+    world = waits_at_the_surface()
+    world.trembles = 0.0
+    told_fixes(world, 10)
+    world.wait(19.0)
+    assert world.state == "autonomous/up"
+    world.wait(10.0)
+    assert world.state == SURFACING
+    assert "the depth stands" in world.engine.reason
+
+
+def test_a_leg_that_waits_stays_where_fixes_end_and_the_depth_tells():
+    world = waits_at_the_surface()
+    world.trembles = 0.02
+    world.wait(60.0)
+    assert world.state == "autonomous/up"
+
+
+@pytest.mark.parametrize("stands", [True, False])
+def test_the_next_ascent_goes_by_no_depth_that_has_stood_since_the_last(stands: bool):
+    up = leg("up", kind=Surface(), settings=(), timeout=None, duration=200.0)
+    again = leg("again", kind=Surface(), settings=(), timeout=600.0)
+    world = World(mission(up, again, leg("b", timeout=600.0)))
+    assert world.start()
+    world.trembles = 0.02
+    told_fixes(world, 100)
+    said = world.commands().count(Order.SURFACE)
+    world.trembles = 0.0 if stands else 0.02
+    world.wait(110.0)
+    assert (world.commands().count(Order.SURFACE) > said) is stands
 
 
 def test_what_was_let_go_before_a_new_start_is_no_reason_to_turn_a_thruster():

@@ -23,6 +23,13 @@ def refusal(world: World, command: object) -> str:
     return verdict.why if not verdict.accepted else ""
 
 
+def pushed(world: World, *, every: float = 0.2) -> str:
+    """The same of the second M of a push."""
+    first = refusal(world, M)
+    world.t += every
+    return refusal(world, M) if first else ""
+
+
 # --- the stick ------------------------------------------------------------------------------
 
 
@@ -32,8 +39,51 @@ def test_the_stick_takes_over_from_an_emergency_after_just_two_seconds_without_o
         world.tell(world.report(), M)
         world.tell(X)
         world.wait(pause, reports=False)
-        assert (refusal(world, M) == "") is may
+        assert (pushed(world) == "") is may
         assert (world.state == MANUAL_DRIVING) is may
+
+
+def test_words_of_a_held_stick_that_have_waited_take_no_emergency_over():
+    """The radio was away or the Pi stood still: what it says in 3 s comes in a tenth of one, and
+    then it goes on."""
+    for at_once in (15, 6, 5):
+        world = World()
+        world.tell(X)
+        world.wait(3.0, reports=False)
+        for _ in range(at_once):
+            assert refusal(world, M) != ""
+            world.t += 0.01
+        for _ in range(20):
+            world.t += 0.2
+            held = refusal(world, M)
+        assert (held != "", world.state) == (
+            (True, STOPPED) if at_once > 5 else (False, MANUAL_DRIVING)
+        )
+        if at_once > 5:
+            world.wait(2.0, reports=False)
+            assert pushed(world) == ""
+
+
+def test_a_push_takes_an_emergency_over_by_its_second_word_that_came_apart():
+    for every, taken in ((0.05, False), (0.149, False), (0.15, True), (0.6, True), (1.999, True)):
+        world = World()
+        world.tell(X)
+        world.wait(5.0, reports=False)
+        assert (pushed(world, every=every) == "") is taken
+    world.tell(X)
+    world.wait(5.0, reports=False)
+    assert pushed(world, every=2.0) != "", "two pushes"
+
+
+def test_a_push_that_began_before_the_emergency_takes_none_over():
+    world = World()
+    world.wait(5.0, reports=False)
+    world.tell(M)
+    world.tell(X)
+    for _ in range(20):
+        world.t += 0.2
+        assert refusal(world, M) != ""
+    assert world.state == STOPPED
 
 
 def test_the_first_m_ever_takes_over_from_an_emergency_two_seconds_after_it_began():
@@ -44,7 +94,7 @@ def test_the_first_m_ever_takes_over_from_an_emergency_two_seconds_after_it_bega
         world = World()
         world.tell(X)
         world.t += pause
-        assert (refusal(world, M) == "") is taken
+        assert (pushed(world) == "") is taken
 
 
 def test_a_restart_forgets_no_stick():
@@ -56,7 +106,7 @@ def test_a_restart_forgets_no_stick():
     world.wait(1.5)
     assert refusal(world, M) != ""
     world.wait(2.0)
-    assert refusal(world, M) == ""
+    assert pushed(world) == ""
 
 
 def test_a_stick_that_was_refused_before_it_came_to_the_engine_is_held_all_the_same():
@@ -65,7 +115,12 @@ def test_a_stick_that_was_refused_before_it_came_to_the_engine_is_held_all_the_s
     for _ in range(20):
         world.wait(0.3)
         world.engine.hear_stick(world.t)
+    assert pushed(world) != ""
+    world.wait(2.0)
     assert refusal(world, M) != ""
+    world.t += 0.1
+    world.engine.hear_stick(world.t)
+    assert pushed(world) != "", "another boat's is held meanwhile"
     assert world.state == SURFACING
 
 
@@ -85,8 +140,12 @@ def test_a_neutral_stick_takes_no_emergency_over(frame: tuple[str, bytes]):
     world.wait(5.0)
     assert "neutral" in refusal(world, Manual(*frame))
     assert world.state == SURFACING
+    assert refusal(world, M) != ""
+    assert "neutral" in refusal(world, Manual(*frame)), "nor does it go on with a push"
+    world.t += 0.2
+    assert refusal(world, M) != ""
     world.wait(2.0)
-    assert refusal(world, M) == ""
+    assert pushed(world) == ""
 
 
 @pytest.mark.parametrize(
@@ -111,7 +170,7 @@ def test_an_m_that_is_refused_counts_as_the_stick_too():
     world.wait(1.5)
     assert refusal(world, M) != ""
     world.wait(2.0)
-    assert refusal(world, M) == ""
+    assert pushed(world) == ""
 
 
 def test_a_mission_starts_just_two_seconds_after_the_stick():

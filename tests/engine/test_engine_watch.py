@@ -72,6 +72,32 @@ def test_two_metres_are_an_allowance_below_the_shallowest_depth_since_it_was_ask
     assert not descent.unexplained
 
 
+def goes_down(rate: float, *, driven: bool, to: float) -> float:
+    """m at which it is told, inf if it is not; from the surface, reports each 2 s."""
+    descent = Descent()
+    for i in range(int(to / rate / 2.0)):
+        descent.take(2.0 * i, 0.2 + rate * 2.0 * i, False, 9.0, driven)
+        if descent.unexplained:
+            return 0.2 + rate * 2.0 * i
+    return math.inf
+
+
+def test_a_slow_descent_is_told_where_a_set_holds_no_depth():
+    """0.3 N too heavy it goes down by 0.03 m/s, for as long as the leg lasts."""
+    for rate in (0.02, 0.03, 0.06, 0.09):
+        told = goes_down(rate, driven=True, to=12.0)
+        assert 2.2 + 20.0 * rate <= told <= 2.3 + 24.0 * rate
+        assert goes_down(rate, driven=False, to=12.0) == math.inf, "let go: R7"
+
+
+def test_what_is_deeper_for_less_than_20_s_is_a_wave():
+    descent = Descent()
+    for i in range(200):
+        deep = 2.5 if i % 11 else 0.4  # for 20 s, and then shallower once
+        descent.take(2.0 * i, deep, i == 0, 9.0, True)
+        assert not descent.unexplained or i % 11 == 1
+
+
 @pytest.mark.parametrize("before", [1, 3])
 @pytest.mark.parametrize("asked", [False, True])
 def test_one_wild_depth_far_above_the_others_makes_no_descent_of_what_follows(before, asked):

@@ -320,6 +320,8 @@ def test_the_way_up_does_not_wait_for_the_judge_of_the_stored_mission(
     assert boat.to_vehicle()[:2] == [b"@ZAX0$", b"@ZAU12$"]
     assert judged == []
     boat.say(b"@MMF1$")
+    boat.until(30.2)
+    boat.say(b"@MMF1$")
     assert boat.runtime.state == "manual/driving"
     boat.until(100.0)
     assert boat.runtime.state == "idle/ready", "left by the stick it is there again"
@@ -548,6 +550,8 @@ def test_a_held_stick_takes_no_emergency_over_when_it_is_eased_into_its_range(he
     boat.say(b"@MMD12$")
     assert boat.runtime.state == SURFACING
     boat.until(13.0)
+    boat.say(b"@MMD12$")
+    boat.until(13.2)
     boat.say(b"@MMD12$")
     assert boat.runtime.state == "manual/driving"
 

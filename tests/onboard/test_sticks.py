@@ -163,9 +163,12 @@ def test_an_emergency_is_taken_over_by_a_stick_that_moves_after_2_s_of_stillness
     assert bench.runtime.state != MANUAL_DRIVING
     bench.until(7.0)
     bench.say(AHEAD)
+    assert bench.runtime.state != MANUAL_DRIVING
+    bench.until(7.2)
+    bench.say(AHEAD)
     assert bench.runtime.state == MANUAL_DRIVING
-    bench.until(7.05)
-    assert bench.to_board(7.0)[-1].data == bench.frames(Setpoint(surge=0.5))[-1]
+    bench.until(7.25)
+    assert bench.to_board(7.2)[-1].data == bench.frames(Setpoint(surge=0.5))[-1]
 
 
 @pytest.mark.parametrize("name", NAMES)

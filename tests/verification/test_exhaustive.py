@@ -526,7 +526,7 @@ BROKEN: tuple[tuple[Break, str, str], ...] = (
     (_clear_while_surfacing, "surfacing", "@AC by state"),
     (_clear_while_surfacing, "surfacing", "no exit from an emergency but R7's"),
     (_no_reason, "surfacing", "no command without a reason"),
-    (_stick_in_emergency, "stopped, stick held", "M takes over at once, in an emergency after 2 s of silence"),
+    (_stick_in_emergency, "stopped, stick held", "M takes over at once, an emergency by a push behind 2 s of silence"),
     (_any_place_opens_the_gate, "autonomous/dive , quiet", "from region to region only for a cause"),
     (_never_blind, "autonomous/dive , quiet", "a set whose reading is unknown is given up"),
     (_limits_sleep, "autonomous/dive , quiet", "a breach leads to its response where it acts, and only there"),

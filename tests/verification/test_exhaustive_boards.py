@@ -215,7 +215,7 @@ BROKEN: tuple[tuple[Break, str, str, str], ...] = (
     (_says_seldom, "rov", "surfacing", "what holds is said again within the board's period"),
     (_says_seldom, "robot", "stopped", "what holds is said again within the board's period"),
     (_talks_over_itself, "coreboard", "ready", "a board is sent no more than its line carries"),
-    (_takes_any_m, "robot", "ready", "M takes over at once, in an emergency after 2 s of silence"),
+    (_takes_any_m, "robot", "ready", "M takes over at once, an emergency by a push behind 2 s of silence"),
     (_limits_sleep, "coreboard", "autonomous/dive , quiet", "a breach leads to its response where it acts, and only there"),
     (_limits_sleep, "robot", "autonomous/out , quiet", "who is left alone comes up"),
     (_one_way_only, "rov", "surfacing", "an ascent tries every way and never gives up"),

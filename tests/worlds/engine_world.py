@@ -224,6 +224,12 @@ class World:
     def wait(self, seconds: float, *, reports: bool = True) -> None:
         self.until(self.t + seconds, reports=reports)
 
+    def push(self) -> None:
+        """The stick, for as long as takes an emergency over (R6)."""
+        self.tell(M)
+        self.wait(0.2, reports=False)
+        self.tell(M)
+
     def start(self) -> bool:
         """At the surface with a fix, of a place that was not said before: @AA."""
         self.tell(self.report())

@@ -49,6 +49,7 @@ _RESTS = (STOPPED, SURFACED, MANUAL_WAITING)
 _SWITCHED, _UP = b"@ACK_NSS$", b"@ZAU12$"
 _NEWS = 20.0  # s in which a receiver has to say something new (R7)
 _TURNED = 110.0  # deg off that read as upside down: 120 (R7), less what it rolls
+_ROLLS = math.radians(8.0)  # by which thrust rolls farther what a weight holds at a roll
 _TICK = 0.1  # s: a fault begins with the next tick, a word is heard whole
 _CURES = {"dives_until_stop": b"@ZAX0$"}
 
@@ -84,7 +85,8 @@ def lift(settings: Settings, profile: str, t: float) -> float:
     thrust = 3.0 * settings.body.vertical_thrust * min([1.0, *shares])
     deaf = {f.name[-1].upper() for f in there if f.name.startswith("deaf_to_")}
     names = {f.name for f in there}
-    thrust *= max(math.cos(max([0.0, *map(_heel, there)])), 0.0)
+    heel = max((_heel(f) for f in there), default=0.0)
+    thrust *= max(math.cos(heel + (_ROLLS if heel else 0.0)), 0.0)
     untamed = ("dives_until_up" in names and "U" in deaf) or (
         "dives_until_stop" in names and "X" in deaf
     )

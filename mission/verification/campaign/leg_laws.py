@@ -26,6 +26,7 @@ from protocol.messages import Setpoint
 _NEARER, _OFF, _STUCK = 0.5, 2.6, 136.0  # m, m, s: 0.5 m, 2 m and 120 s (R5)
 _NEARLY = 0.45  # m nearer, which a report that only one of two takes may decide
 _UNASKED, _SINKING = 3.0, 0.2  # m and m/s: 2 m and 0.1 m/s (R5)
+_SLOWLY = 32.0  # s: 20 where no depth is held (R5), and what reports may take
 _ASTRAY, _GROWN, _STEERED = 40.0, 28.0, 14.0  # deg, deg, s: 30, 20 and 10 (R5)
 _SET, _POWERLESS = 1.5, 7  # s; reports: two, the set again, two more (R8), and what answers take
 _FALLEN = 6.0  # deg: 10 (R5), and the noise of two reports
@@ -89,7 +90,7 @@ def waits(
 def _unasked_descent(story: Story, stay: Stay) -> Iterator[Violation]:
     if stay.ascends:
         return
-    shallowest, seen = math.inf, 0
+    shallowest, seen, since = math.inf, 0, math.inf
     sets = sets_of(story, stay)
     for told in story.told_in(stay.begin, stay.end):
         depth = story.depth(told.t)
@@ -99,7 +100,10 @@ def _unasked_descent(story: Story, stay: Stay) -> Iterator[Violation]:
         shallowest = min(shallowest, depth)
         sinks = depth > shallowest + _UNASKED and story.depth(told.t - 2.0) < depth - 2.0 * _SINKING
         seen = seen + 1 if sinks else 0
-        if seen > 2 + SPARE and is_plain(story, told.t - 20.0, told.t, DEPTH_FAULTS):
+        slow = command is not None and command.depth is None and depth > shallowest + _UNASKED
+        since = min(since, told.t) if slow else math.inf
+        late = seen > 2 + SPARE or told.t - since > _SLOWLY
+        if late and is_plain(story, min(told.t - 20.0, since), told.t, DEPTH_FAULTS):
             says = f"{depth:.1f} m and sinking, which nothing asks for, in {stay.state}"
             yield Violation(UNANSWERED, told.t, says)
             return

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from mission.model import MANUAL_DRIVING, SURFACED
 from mission.verification.campaign.laws import Violation, stalls
 from mission.verification.campaign.story import Story
-from mission.verification.campaign.word_laws import UNSENT
+from mission.verification.campaign.surface_laws import UNSENT
 from mission.verification.rig.acts import Act
 from mission.verification.rig.program import DEAD
 from mission.verification.rig.trace import Done

@@ -24,8 +24,7 @@ from mission.onboard.runtime.runtime import VEHICLE
 from mission.verification.campaign.depth_laws import DEPTH_FAULTS
 from mission.verification.campaign.laws import Violation
 from mission.verification.campaign.story import SAME, Stay, Story
-from mission.verification.campaign.surface_laws import UNLAWFUL
-from mission.verification.campaign.word_laws import UNSENT
+from mission.verification.campaign.surface_laws import UNLAWFUL, UNSENT
 from protocol.framing import Frame
 from protocol.tolerances import Tolerances
 from protocol.vehicles import link

@@ -6,6 +6,7 @@ What does not live here: bodies, boards and sensors (scenes_at_sea).
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from random import Random
 
 from mission.verification.campaign.scene import (
@@ -64,10 +65,17 @@ def _silent_topside(rng: Random) -> Scene:
 
 
 def _held_stick(rng: Random) -> Scene:
-    """The commander's stick is held; another boat orders W or X."""
+    """The commander's stick is held; another boat orders W or X. Sometimes the radio is away for a
+    while, and what was said comes when it is back."""
     t = rng.uniform(DOWN, 60.0)
     held = repeated(t - 3.0, t + 25.0, rng.choice([0.2, 0.5, 1.0, 1.8]), b"@MMD6$")
-    return Scene("there", (), (joins(), say(t, rng.choice([X, W]), OTHER_BOAT), *held))
+    ordered = (joins(), say(t, rng.choice([X, W]), OTHER_BOAT))
+    if rng.random() < 0.5:
+        away = t + rng.uniform(10.5, 15.0)  # the other boat no longer commands (R12)
+        back = away + rng.uniform(2.1, 6.0)
+        held = repeated(t - 3.0, t + 25.0, 0.2, b"@MMD6$")
+        held = [replace(one, after=back) if away < one.after < back else one for one in held]
+    return Scene("there", (), (*ordered, *held))
 
 
 def _neutral_stick(rng: Random) -> Scene:

@@ -25,6 +25,7 @@ from mission.verification.campaign.laws import Violation
 from mission.verification.campaign.story import AGAIN, SAME, Stay, Story
 
 UNLAWFUL = "unlawful"
+UNSENT = "unsent"
 REPEATING = ("gps_stuck", "gps2_stuck", "gps_in_turn")
 _SHALLOW, _AFLOAT, _FIXED = 1.0, 4.0, 0.4  # m within s before, m that allow a fix
 _REPORTS = 2.0  # s between two

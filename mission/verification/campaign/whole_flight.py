@@ -31,8 +31,8 @@ from mission.verification.campaign.line_laws import line_laws
 from mission.verification.campaign.output_laws import output_laws
 from mission.verification.campaign.status_laws import status_laws
 from mission.verification.campaign.story import Story
-from mission.verification.campaign.surface_laws import UNLAWFUL, surface_laws
-from mission.verification.campaign.word_laws import UNSENT, word_laws
+from mission.verification.campaign.surface_laws import UNLAWFUL, UNSENT, surface_laws
+from mission.verification.campaign.word_laws import word_laws
 from mission.verification.rig.trace import Trace
 
 

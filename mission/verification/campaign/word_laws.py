@@ -27,7 +27,6 @@ from collections.abc import Iterator, Mapping
 from mission.authoring.compiler.compiler import compile_mission
 from mission.authoring.language import digest, parse, script
 from mission.model import (
-    AUTONOMOUS,
     IMPLICIT_SURFACE,
     MANUAL_DRIVING,
     MANUAL_WAITING,
@@ -42,8 +41,9 @@ from mission.verification.campaign.audit import commands_of
 from mission.verification.campaign.laws import Violation
 from mission.verification.campaign.refusal_laws import heeds_refusals
 from mission.verification.campaign.reports import Report
+from mission.verification.campaign.stick_laws import M, lets_go, takes_over
 from mission.verification.campaign.story import SAME, STOP_WORD, Stay, Story
-from mission.verification.campaign.surface_laws import UNLAWFUL
+from mission.verification.campaign.surface_laws import UNLAWFUL, UNSENT
 from mission.verification.campaign.trial import AUTO_NODE, fault_ends
 from mission.verification.rig.acts import MODEM, TOPSIDE, Act
 from mission.verification.rig.line import crowded
@@ -53,7 +53,6 @@ from mission.verification.rig.vehicle import flown
 from protocol.messages import FrameFault, Order
 from protocol.topside import TopsideCodec
 
-UNSENT = "unsent"
 _CLOCK = 0.6  # s
 _STOP_AGAIN = 1.6  # s: every 0.5 s, behind three tries of another word
 _TURNS = 1  # report with a thruster on: X0 leaves with it
@@ -64,11 +63,9 @@ _RISES = 0.5  # m in 5 s: let go it floats up
 _LEFT = 2.5  # m: 2 (R7, an orderly end), and the sensor
 _DURABLE = 1.5  # s after which a state is on disk
 _BLIND, _FROZEN = 14.0, 12.0  # s: 6 s (R8), and what three reports more may take
-_QUIET, _SILENT, _FORGOTTEN = 1.9, 2.6, 61.5  # s
 _COMMANDS = 9.5  # s
 _COPY = 125.0  # s: so much later a word is a copy of one by modem, and its answer may take a while
 _RELAYED = 2.0  # s from a word to the answer of its relay
-_M = re.compile(rb"@M[TDMRSP][^@$]*\$")
 _ACKNOWLEDGED = re.compile(rb"@ACK_Z[XA]Y\$")
 _ACCEPTED = re.compile(rb"@ACK_(?:(?:AA|AC|SP|ST|AW|NS|RS)[^N]|RI.)\$", re.DOTALL)
 _NODE, _LET_GO = 1.0, 1.0  # s
@@ -86,9 +83,9 @@ def word_laws(story: Story) -> Iterator[Violation]:
         if stay.rests and stay.step is not None:
             yield from _stops(story, stay)
         if stay.state == MANUAL_DRIVING and stay.before.startswith(EMERGENCY):
-            yield from _takes_over(story, stay)
+            yield from takes_over(story, stay)
         if stay.state.startswith(MANUAL):
-            yield from _lets_go(story, stay)
+            yield from lets_go(story, stay)
         if stay.before == DEAD:
             yield from _begins_again(story, stay)
     yield from _one_commands(story)
@@ -256,45 +253,6 @@ def _has_word(story: Story, begin: float, end: float) -> bool:
     return any(word.data in story.upward for word in story.words_in(begin, end))
 
 
-# --- the stick -----------------------------------------------------------------------------------
-
-
-def _takes_over(story: Story, stay: Stay) -> Iterator[Violation]:
-    t = stay.begin
-    sticks = [(s, found) for s in story.said if s.link != MODEM for found in _M.findall(s.data)]
-    now = [found for s, found in sticks if abs(s.t - t) < 0.01]
-    if now and all(_neutral(found) for found in now):
-        yield Violation(UNLAWFUL, t, f"{now[-1]!r} takes over {stay.before}")
-    held = [s.t for s, _ in sticks if t - _QUIET < s.t < t - 0.01]  # refused or not (R6, G4)
-    if held and not story.hindered(t - _QUIET, t):
-        says = f"a stick heard {t - held[-1]:.1f} s before takes over {stay.before}"
-        yield Violation(UNLAWFUL, t, says)
-    emergency = next(s for s in reversed(story.stays) if s.end <= t and s.state == stay.before)
-    if t - emergency.begin < _QUIET and emergency.before.startswith((AUTONOMOUS, MANUAL, "idle")):
-        yield Violation(UNLAWFUL, t, f"{stay.before} taken over after {t - emergency.begin:.1f} s")
-
-
-def _neutral(frame: bytes) -> bool:
-    """Speed or force come first in MS and MP, in all others the last number moves."""
-    numbers = re.findall(rb"-?\d+", frame[3:])
-    return bool(numbers) and int(numbers[0 if frame[2:3] in b"SP" else -1]) == 0
-
-
-def _lets_go(story: Story, stay: Stay) -> Iterator[Violation]:
-    driving = stay.state == MANUAL_DRIVING
-    heard = [stay.begin] * driving  # by an M, though the program dies before its relay leaves
-    last = max((*heard, *(t for t in story.stick if t <= stay.end)), default=math.nan)
-    due = last + _SILENT if driving else story.auto_opens(last + _FORGOTTEN)
-    if stay.end > due and not story.hindered(last - 0.1, due):
-        says = f"{stay.end - last:.1f} s without M, and still in {stay.state}"
-        yield Violation(UNLAWFUL, due, says)
-    due = stay.begin + 1.5
-    if stay.state != MANUAL_WAITING or stay.end < due or story.hindered(stay.begin - 0.1, due):
-        return
-    if not any(word.data == STOP_WORD for word in story.words_in(stay.begin, due)):
-        yield Violation(UNSENT, stay.begin, "the stick is silent, and no X0 has left")
-
-
 # --- operators -----------------------------------------------------------------------------------
 
 
@@ -319,7 +277,7 @@ def _one_commands(story: Story) -> Iterator[Violation]:
                     heard = event.t
                 elif event.t - heard >= _COMMANDS:
                     free[event.address] = event.t
-                    stick = event if _M.search(event.data) else stick
+                    stick = event if M.search(event.data) else stick
         elif isinstance(event, Step):
             if event.entered[-1:] == (MANUAL_DRIVING,) and stick and stick.t > event.t - SAME:
                 commander, heard, stick = stick.address, stick.t, None

@@ -150,10 +150,18 @@ def _sticks_and_starts(world: World) -> None:
     world.wait(3.0)
 
 
-def _holds_the_stick(world: World) -> None:
-    for _ in range(10):
-        world.say(b"@MMF5$")
-        world.wait(0.2)
+def _pushes(frame: bytes, words: int = 2) -> Play:
+    """The state counts behind the second word: the first takes no emergency over (R6)."""
+
+    def play(world: World) -> None:
+        for said in range(words):
+            if said < 2:
+                world.at_once = ""
+            world.say(frame)
+            world.wait(0.2)
+        world.wait(SETTLE)
+
+    return script(play)
 
 
 def _clears_again(world: World) -> None:
@@ -245,7 +253,9 @@ COMMANDS = (
     _stick(b"@MP120,-90$"),
     Event("M of another connection", _other_says(b"@MMF5$"), "MM", "tender"),
     Event("M by modem", _below(b"@MMF5$"), "MM", "modem"),
-    Event("M held for 2 s", script(_holds_the_stick), "MM"),
+    Event("M held for 2 s", _pushes(b"@MMF5$", 10), "MM", "push"),
+    Event("MT, a push", _pushes(b"@MT1,-10$"), "MT", "push", word=b"@MT1,-10$"),
+    Event("M of a stick that was held, which have waited", _says(b"@MMF5$" * 10), "MM", "waited"),
     Event("AA", _says(b"@AA$", 3.0), "AA"),
     Event("AA of another connection", _other_says(b"@AA$"), "AA", "tender"),
     Event("AA while staging", script(_start_while_staging), "AA", "staging"),

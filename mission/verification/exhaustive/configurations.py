@@ -190,13 +190,15 @@ def _surface(world: World) -> None:
 
 
 def _stick(world: World) -> None:
-    world.say(STICK)
-    world.wait(0.1)
+    """A push, which may take over an emergency."""
+    for seconds in (0.2, 0.1):
+        world.say(STICK)
+        world.wait(seconds)
 
 
 def _let_go(world: World) -> None:
-    world.say(STICK)
-    world.wait(2.3)
+    _stick(world)
+    world.wait(2.2)
 
 
 def _deaf(world: World) -> None:

@@ -92,11 +92,11 @@ def _answered(cell: Cell) -> Verdict:
 
 
 def _taken(cell: Cell) -> bool:
-    """Whether an M may take over (R6, R12)."""
-    in_emergency = cell.configuration.region == "emergency"
+    """Whether an M may take over (R6, R12); an emergency by a push alone."""
+    if cell.configuration.region != "emergency":
+        return cell.event.path in ("boat", "push", "waited")
     silent = min(cell.before.stick_age, cell.before.emergency_age)
-    held = in_emergency and (silent < STICK_QUIET or "neutral" in cell.event.causes)
-    return cell.event.path == "boat" and not held
+    return cell.event.path == "push" and silent >= STICK_QUIET
 
 
 def _has_word(cell: Cell) -> bool:
@@ -364,7 +364,7 @@ STATE_LAWS: tuple[Law, ...] = (
     Law("X acts from everywhere within the step", "R7", _order("X", STOPPED)),
     Law("W acts from everywhere within the step", "R7", _order("W", SURFACING)),
     Law("who gave X or W hears what became of it", "R7, R12", _answered),
-    Law("M takes over at once, in an emergency after 2 s of silence", "R6", _stick),
+    Law("M takes over at once, an emergency by a push behind 2 s of silence", "R6", _stick),
     Law("under the stick no Z leaves", "R6", _no_z_under_the_stick),
     Law("2 s after the stick everything is stopped", "R6", _stick_let_go),
     Law("60 s after the stick: idle at the surface, surfacing where deep", "R6", _forgotten),

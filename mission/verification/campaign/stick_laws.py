@@ -1,0 +1,82 @@
+"""Laws of the stick (R6): what it takes over, and when it is let go. By what was said, not by what
+the engine made of it."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterator, Sequence
+
+from mission.model import MANUAL_DRIVING, MANUAL_WAITING
+from mission.model.regions import EMERGENCY
+from mission.verification.campaign.laws import Violation
+from mission.verification.campaign.story import STOP_WORD, Stay, Story
+from mission.verification.campaign.surface_laws import UNLAWFUL, UNSENT
+from mission.verification.rig.acts import MODEM
+
+_QUIET, _SILENT, _FORGOTTEN = 1.9, 2.6, 61.5  # s
+_PUSHED, _WAITED = 0.14, 3  # s that a push lasts, and words of a stick in that time
+M = re.compile(rb"@M[TDMRSP][^@$]*\$")
+
+
+def takes_over(story: Story, stay: Stay) -> Iterator[Violation]:
+    """An emergency: by a push that began when every stick had been still for 2 s since it began."""
+    t = stay.begin
+    sticks = [(s, found) for s in story.said if s.link != MODEM for found in M.findall(s.data)]
+    now = [found for s, found in sticks if abs(s.t - t) < 0.01]
+    if now and all(_neutral(found) for found in now):
+        yield Violation(UNLAWFUL, t, f"{now[-1]!r} takes over {stay.before}")
+    words = [s.t for s, _ in sticks if s.t < t + 0.01]  # refused or not (R6, G4)
+    push = _run(words)
+    if not push or story.hindered(push[0] - _QUIET, t):
+        return
+    begun = _emergency_began(story, t)
+    if push[0] < begun + _QUIET:
+        says = f"a stick heard {push[0] - begun:.1f} s behind it takes over {stay.before}"
+        yield Violation(UNLAWFUL, t, says)
+    elif t < push[0] + _PUSHED:
+        says = f"a push of {t - push[0]:.2f} s takes over {stay.before}"
+        yield Violation(UNLAWFUL, t, says)
+    elif (at_once := sum(at < push[0] + _PUSHED for at in push)) > _WAITED:
+        yield Violation(UNLAWFUL, t, f"{at_once} words that have waited take over {stay.before}")
+
+
+def _run(words: Sequence[float]) -> list[float]:
+    """The last of them that follow each other without 2 s in between."""
+    run: list[float] = []
+    for at in reversed(words):
+        if run and run[0] - at > _QUIET:
+            break
+        run.insert(0, at)
+    return run
+
+
+def _emergency_began(story: Story, t: float) -> float:
+    """When the one that was taken over at ``t`` began, whatever states it went through."""
+    began = t
+    for stay in reversed([stay for stay in story.stays if stay.end <= t]):
+        if not stay.state.startswith(EMERGENCY):
+            break
+        began = stay.begin
+    return began
+
+
+def _neutral(frame: bytes) -> bool:
+    """Speed or force come first in MS and MP, in all others the last number moves."""
+    numbers = re.findall(rb"-?\d+", frame[3:])
+    return bool(numbers) and int(numbers[0 if frame[2:3] in b"SP" else -1]) == 0
+
+
+def lets_go(story: Story, stay: Stay) -> Iterator[Violation]:
+    driving = stay.state == MANUAL_DRIVING
+    heard = [stay.begin] * driving  # by an M, though the program dies before its relay leaves
+    last = max((*heard, *(t for t in story.stick if t <= stay.end)), default=math.nan)
+    due = last + _SILENT if driving else story.auto_opens(last + _FORGOTTEN)
+    if stay.end > due and not story.hindered(last - 0.1, due):
+        says = f"{stay.end - last:.1f} s without M, and still in {stay.state}"
+        yield Violation(UNLAWFUL, due, says)
+    due = stay.begin + 1.5
+    if stay.state != MANUAL_WAITING or stay.end < due or story.hindered(stay.begin - 0.1, due):
+        return
+    if not any(word.data == STOP_WORD for word in story.words_in(stay.begin, due)):
+        yield Violation(UNSENT, stay.begin, "the stick is silent, and no X0 has left")
