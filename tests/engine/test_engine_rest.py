@@ -586,7 +586,8 @@ def test_a_leg_that_waits_at_the_surface_is_watched_for_sinking(rate: float):
     said = len(world.actions)
     sink(world, rate, 6.0)
     assert world.state == SURFACING
-    assert world.depth is not None and world.depth < 2.5
+    assert world.depth is not None
+    assert world.depth < 2.5
     assert "though everything is stopped" in world.engine.reason
     assert world.commands()[said:][0] is not Order.STOP
 

@@ -128,7 +128,9 @@ def _no_z_under_the_stick(cell: Cell) -> Verdict:
         return None
     if cell.state != MANUAL_DRIVING:
         return None
-    return wrong((bool(cell.frames(b"@ZA")), f"{cell.frames(b'@ZA')[:1]} under the stick"))
+    driven = min((m.t for m in cell.frames(b"@M")), default=0.0)  # a push is two words
+    words = [z for z in cell.frames(b"@ZA") if z.t >= driven]
+    return wrong((bool(words), f"{words[:1]} under the stick"))
 
 
 def _stick_let_go(cell: Cell) -> Verdict:
