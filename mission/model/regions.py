@@ -60,7 +60,7 @@ REGION_EDGES = (
     RegionEdge("stick", IDLE, MANUAL_DRIVING, "any M"),
     RegionEdge("stick", AUTONOMOUS, MANUAL_DRIVING, "any M"),
     RegionEdge("stick", MANUAL_WAITING, MANUAL_DRIVING, "any M"),
-    RegionEdge("stick", EMERGENCY, MANUAL_DRIVING, "an M that is not neutral, 2 s after any"),
+    RegionEdge("stick", EMERGENCY, MANUAL_DRIVING, "a push of the stick, 2 s after any M"),
     RegionEdge("silent", MANUAL_DRIVING, MANUAL_WAITING, "2 s without M"),
     RegionEdge("forgotten", MANUAL, IDLE_READY, "60 s without M, at the surface"),
     RegionEdge("forgotten", MANUAL, IDLE_EMPTY, "60 s without M, at the surface"),

@@ -21,6 +21,8 @@ def test_the_camera_node_runs_its_command_and_stops_it(tmp_path: Path) -> None:
         soon(lambda: flag.exists() and flag.read_text().strip() != "", "the camera")
         number = int(flag.read_text())
         os.kill(number, 0)
+        assert os.getpriority(os.PRIO_PROCESS, number) == 10, "X and W come first"
+        assert Path(f"/proc/{number}/oom_score_adj").read_text().strip() == "500"
         assert asked(boat, b"@NSOOCCCO$") == b"@ACK_NSS$"
         with pytest.raises(ProcessLookupError):
             os.kill(number, 0)

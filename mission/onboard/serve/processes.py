@@ -15,6 +15,7 @@ import shlex
 import signal
 from asyncio.subprocess import DEVNULL, Process
 from collections.abc import Callable, Mapping
+from pathlib import Path
 
 from mission.onboard.runtime.device_switches import CLOSE, OPEN
 from mission.onboard.serve.ports import Port
@@ -22,6 +23,7 @@ from mission.onboard.serve.ports import Port
 PATIENCE_S = 3.0  # that a process has to end by itself
 BEGINS_S = 0.3  # that a command has to fail in at once: then it was never open
 CAMERA = "CAMERA"
+_NICE, _GOES_FIRST = 10, 500  # of the camera: setpriority(2), oom_score_adj (proc(5))
 
 
 class Processes:
@@ -79,6 +81,7 @@ class Processes:
         except (OSError, ValueError) as error:
             self._tell(f"CAMERA: {self._camera}: {error}")
             return False
+        _give_way(self._process)
         with contextlib.suppress(TimeoutError):
             await asyncio.wait_for(self._process.wait(), BEGINS_S)
             self._tell(f"CAMERA: {self._camera}: {_ended(self._process)} at once")
@@ -105,6 +108,14 @@ class Processes:
         finally:
             _signal(process, signal.SIGKILL)  # whoever of the group is still there
         await process.wait()
+
+
+def _give_way(process: Process) -> None:
+    """What the unit gives this program is not for its camera: X and W come first, and where memory
+    is short the camera goes before the radio's programs."""
+    with contextlib.suppress(OSError):
+        os.setpriority(os.PRIO_PGRP, process.pid, _NICE)
+        Path(f"/proc/{process.pid}/oom_score_adj").write_text(str(_GOES_FIRST))
 
 
 def _signal(process: Process, number: signal.Signals) -> None:
