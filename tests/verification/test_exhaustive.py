@@ -176,7 +176,7 @@ def _no_reason(patch: pytest.MonkeyPatch) -> None:
 
 
 def _stick_in_emergency(patch: pytest.MonkeyPatch) -> None:
-    patch.setattr(orders, "STICK_QUIET", 0.0)
+    patch.setattr(orders, "_not_pushed", lambda core: "")
 
 
 def _never_blind(patch: pytest.MonkeyPatch) -> None:

@@ -61,11 +61,11 @@ def sensor_is_healthy(sensor: str) -> Break:
 def restart_only_stops(surgery: Surgery) -> None:
     honest = Core.surface
 
-    def surface(self: Core, name: str, why: str, by: By, *rest: Any) -> None:
+    def surface(self: Core, name: str, why: str, by: By, *rest: Any, **more: Any) -> None:
         if name == "restart":
             self.stop_quietly(why)
         else:
-            honest(self, name, why, by, *rest)
+            honest(self, name, why, by, *rest, **more)
 
     surgery.put(Core, "surface", surface)
 

@@ -29,6 +29,7 @@ from mission.engine.limits import LIMITS
 from mission.engine.outputs import OutputKeeper
 from mission.engine.rest import Rest
 from mission.engine.vehicle_state import VehicleState
+from mission.engine.watch import Descent
 from mission.model import Result
 from mission.navigation.belief import DepthBelief
 from mission.onboard.runtime import frontseat, line, operator_server, repeater
@@ -69,11 +70,12 @@ _REASONS: Mapping[str, str] = {
 _RULES: Mapping[str, Broken] = {
     "depth margin": Broken("R5: 1 m beyond the depth", instead(limits, "DEPTH_MARGIN", 10.0)),
     "silence": Broken("R8: 5 s without a report", instead(limits, "SILENCE", 60.0)),
+    "slow descent": Broken("R5: a descent however slow", nothing(Descent, "_lasts", False)),
     "operator's limits": Broken("R5: the tightest of three", breaks.loosest, alike=same),
     "restart": Broken(
         "R7: a restart surfaces",
         breaks.restart_only_stops,
-        when=lambda _core, name, *_: name == "restart",
+        when=lambda _core, name, *_, **__: name == "restart",
     ),
     "latch": Broken("R7: what is under way is kept", breaks.marker_not_kept),
     "relays first": Broken(
@@ -200,7 +202,8 @@ _RULES: Mapping[str, Broken] = {
     ),
     "cleared below": Broken("R7: cleared at the surface", breaks.clears_anywhere, alike=same),
     "started below": Broken("R7: started at the surface", breaks.starts_anywhere, alike=same),
-    "held stick": Broken("R6: every stick still for 2 s", instead(orders, "STICK_QUIET", 0.0)),
+    "held stick": Broken("R6: every stick still for 2 s", nothing(orders, "_not_pushed", "")),
+    "waited words": Broken("R6: what has waited is no push", instead(orders, "WAITED", 1000)),
     "neutral stick": Broken(
         "R6: no neutral M takes over", always(Manual, "neutral", False), alike=same
     ),

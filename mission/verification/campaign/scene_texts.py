@@ -61,7 +61,7 @@ TEXTS: Mapping[str, str] = {
     "adrift": "mission adrift vehicle auv\n" + _HOME
     + "safety radius 900 time 30min depth 20 voltage 10\nassume current 0.5\n"
     "dive: depth 6 heading 0 gear 4 until depth >= 5.5 timeout 90\n"
-    "stand: depth 6 heading 0 gear 4 for 30\nadrift: stop up 0 for 60\n" + _PASS,
+    "stand: depth 6 heading 0 gear 4 for 30\nadrift: stop up 0 for 4min\n" + _PASS,
     # Down there without a heading that is held.
     "loose": "mission loose vehicle auv\n" + _HOME
     + "safety radius 900 time 30min depth 20 voltage 10\nassume current 0.5\n"
@@ -84,7 +84,7 @@ TEXTS: Mapping[str, str] = {
 _UP = "up: surface timeout 3min\n"
 _DOWN = "dive: down 9 until depth >= {} timeout 90\n"
 _LOOSE = f"{_DOWN.format(9.5)}stand: down 5 for 80\n"
-_ADRIFT = f"{_DOWN.format(5.5)}stand: down 5 for 30\nadrift: stop up 0 for 60\n"
+_ADRIFT = f"{_DOWN.format(5.5)}stand: down 5 for 30\nadrift: stop up 0 for 4min\n"
 
 
 def _at_place(name: str, vehicle: str, safety: str, body: str, assume: str = "current 0.5") -> str:

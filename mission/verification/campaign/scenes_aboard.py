@@ -79,9 +79,12 @@ def _held_stick(rng: Random) -> Scene:
 
 
 def _neutral_stick(rng: Random) -> Scene:
-    """A program that says now and then that the stick is in neutral."""
-    t = rng.uniform(DOWN, 60.0)
-    said = repeated(t + 1.0, t + 40.0, rng.uniform(2.5, 9.0), b"@MMF0$")
+    """A program that says now and then, twice (R1), that the stick is in neutral."""
+    t, every = rng.uniform(DOWN, 60.0), rng.uniform(2.5, 9.0)
+    said = [
+        *repeated(t + 1.0, t + 40.0, every, b"@MMF0$"),
+        *repeated(t + 1.2, t + 40.0, every, b"@MMF0$"),
+    ]
     return Scene("there", (), (say(t, rng.choice([X, W])), *said))
 
 

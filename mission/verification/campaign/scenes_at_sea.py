@@ -157,7 +157,10 @@ def _sinks_in_a_hold(rng: Random) -> Scene:
 
 
 def _sinks_adrift(rng: Random) -> Scene:
-    return Scene("adrift", (heavy(rng, rng.uniform(55.0, 70.0)),))
+    """By some newtons; or hardly: then it is no descent by its rate (R5)."""
+    t = rng.uniform(55.0, 70.0)
+    slow = fault("heavy", t, FOREVER, round(rng.uniform(15.2, 16.0), 1))
+    return Scene("adrift", (rng.choice([heavy(rng, t), slow]),))
 
 
 def _weak_thrusters(rng: Random) -> Scene:

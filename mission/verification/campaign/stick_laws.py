@@ -32,7 +32,10 @@ def takes_over(story: Story, stay: Stay) -> Iterator[Violation]:
         return
     begun = _emergency_began(story, t)
     if push[0] < begun + _QUIET:
-        says = f"a stick heard {push[0] - begun:.1f} s behind it takes over {stay.before}"
+        if len(push) > 1:
+            says = f"a stick heard {t - push[-2]:.1f} s before takes over {stay.before}"
+        else:
+            says = f"{stay.before} taken over after {t - begun:.1f} s"
         yield Violation(UNLAWFUL, t, says)
     elif t < push[0] + _PUSHED:
         says = f"a push of {t - push[0]:.2f} s takes over {stay.before}"

@@ -60,6 +60,7 @@ _NO_LEAK: _Reasons = {staging.NO_LEAK: ("limit leak",)}
 _ON_LAND: _Reasons = {
     staging.ON_LAND: (
         *("limit depth", "limit hard depth", "limit unexplained descent", "limit no progress"),
+        "slow descent",
         *("limit depth contradicted", "limit depth unknown", "limit roll-over"),
         *("limit heading does not follow", "limit course against heading", "depth margin"),
         *("surface at once", "stuck receiver", "fixes below", "fix under water", "belief"),
