@@ -14,7 +14,8 @@ from mission.verification.campaign.story import STOP_WORD, Stay, Story
 from mission.verification.campaign.surface_laws import UNLAWFUL, UNSENT
 from mission.verification.rig.acts import MODEM
 
-_QUIET, _SILENT, _FORGOTTEN = 1.9, 2.6, 61.5  # s
+_QUIET = (1.9, 2.1)  # s: about 2 (R6) either may be so
+_SILENT, _FORGOTTEN = 2.6, 61.5  # s
 _PUSHED, _WAITED = 0.14, 3  # s that a push lasts, and words of a stick in that time
 M = re.compile(rb"@M[TDMRSP][^@$]*\$")
 
@@ -27,28 +28,29 @@ def takes_over(story: Story, stay: Stay) -> Iterator[Violation]:
     if now and all(_neutral(found) for found in now):
         yield Violation(UNLAWFUL, t, f"{now[-1]!r} takes over {stay.before}")
     words = [s.t for s, _ in sticks if s.t < t + 0.01]  # refused or not (R6, G4)
-    push = _run(words)
-    if not push or story.hindered(push[0] - _QUIET, t):
-        return
     begun = _emergency_began(story, t)
-    if push[0] < begun + _QUIET:
-        if len(push) > 1:
-            says = f"a stick heard {t - push[-2]:.1f} s before takes over {stay.before}"
-        else:
-            says = f"{stay.before} taken over after {t - begun:.1f} s"
-        yield Violation(UNLAWFUL, t, says)
-    elif t < push[0] + _PUSHED:
-        says = f"a push of {t - push[0]:.2f} s takes over {stay.before}"
-        yield Violation(UNLAWFUL, t, says)
-    elif (at_once := sum(at < push[0] + _PUSHED for at in push)) > _WAITED:
-        yield Violation(UNLAWFUL, t, f"{at_once} words that have waited take over {stay.before}")
+    wrong = [_wrong_push(_run(words, quiet), begun, t) for quiet in _QUIET]
+    if words and all(wrong) and not story.hindered(t - 2.0 * max(_QUIET), t):
+        yield Violation(UNLAWFUL, t, f"{wrong[0]} {stay.before}")
 
 
-def _run(words: Sequence[float]) -> list[float]:
-    """The last of them that follow each other without 2 s in between."""
+def _wrong_push(push: Sequence[float], begun: float, t: float) -> str:
+    """What these words are, if not a push that takes over at ``t`` an emergency that has ``begun``;
+    "" if they are one."""
+    if push[0] < begun + _QUIET[0]:
+        held = f"a stick heard {t - push[-2]:.1f} s before takes over" if len(push) > 1 else ""
+        return held or f"an M {t - begun:.1f} s behind its begin takes over"
+    if t < push[0] + _PUSHED:
+        return f"a push of {t - push[0]:.2f} s takes over"
+    at_once = sum(at < push[0] + _PUSHED for at in push)
+    return f"{at_once} words that have waited take over" if at_once > _WAITED else ""
+
+
+def _run(words: Sequence[float], quiet: float) -> list[float]:
+    """The last of them that follow each other without so many seconds in between."""
     run: list[float] = []
     for at in reversed(words):
-        if run and run[0] - at > _QUIET:
+        if run and run[0] - at > quiet:
             break
         run.insert(0, at)
     return run
