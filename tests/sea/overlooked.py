@@ -4,7 +4,7 @@ they hold up, sticks that nobody is left to miss, stops said again and again, de
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
 
 from tests.sea import faults
 from tests.sea.laws import (
@@ -167,17 +167,32 @@ def held_then_anew_twice(world: World) -> Steps:
 
 
 def waits_and_sinks(world: World) -> Steps:
-    """The mission's last leg waits at the surface for 4 min; there it sinks, as slowly as what leaks does."""
+    """The mission's last leg waits at the surface for 4 min; before its end it sinks, as slowly as what leaks does."""
+    began = yield from _waits(world)
+    yield from world.until(lambda: world.now > began + 208, 240)
+    world.body.buoyancy = -0.12
+    yield from world.until(lambda: world.now > began + 239, 240)
+    world.notes.append(f"sunk={world.body.depth > 0.8}")
+    world.mark("due")
+    yield from world.wait(260)
+
+
+def waits_and_leaks_early(world: World) -> Steps:
+    """The same soon behind its ascent: it is not to wait for the leg's end."""
+    yield from _waits(world)
+    world.body.buoyancy = -0.12
+    yield from world.until(lambda: world.body.depth > 1.8, 120)
+    world.mark("due")
+    yield from world.wait(300)
+
+
+def _waits(world: World) -> Generator[None, None, float]:
+    """s: when the leg's ascent began, which is over."""
     yield from go(world, WAITS)
     yield from world.until(lambda: world.body.depth > 4.0, 120)
     yield from world.until(lambda: world.body.depth < 0.5, 120)
     yield from world.wait(12)
-    world.body.buoyancy = -0.12
-    began = said(world, "@ZAWF", world.marks["go"])[0].at
-    yield from world.until(lambda: world.now > began + 239, 240)
-    world.notes.append(f"sunk={world.body.depth > 3}")
-    world.mark("due")
-    yield from world.wait(260)
+    return said(world, "@ZAWF", world.marks["go"])[0].at
 
 
 def stick(world: World, frame: str, seconds: float) -> Steps:
@@ -400,6 +415,13 @@ SCENES: tuple[Scene, ...] = (
         )
         for floor in (5.0, 40.0)
     ],
+    Scene(
+        "waits-and-leaks-early",
+        "a leg that waits at the surface is watched for sinking as at rest",
+        waits_and_leaks_early,
+        (*LIFTED, never_deeper(6), upward_within(12)),
+        {"floor": 40.0},
+    ),
     *[
         Scene(
             name,
