@@ -28,9 +28,11 @@ def takes_over(story: Story, stay: Stay) -> Iterator[Violation]:
     if now and all(_neutral(found) for found in now):
         yield Violation(UNLAWFUL, t, f"{now[-1]!r} takes over {stay.before}")
     words = [s.t for s, _ in sticks if s.t < t + 0.01]  # refused or not (R6, G4)
+    if not words:
+        return  # one that came in parts
     begun = _emergency_began(story, t)
     wrong = [_wrong_push(_run(words, quiet), begun, t) for quiet in _QUIET]
-    if words and all(wrong) and not story.hindered(t - 2.0 * max(_QUIET), t):
+    if all(wrong) and not story.hindered(t - 2.0 * max(_QUIET), t):
         yield Violation(UNLAWFUL, t, f"{wrong[0]} {stay.before}")
 
 
@@ -38,8 +40,9 @@ def _wrong_push(push: Sequence[float], begun: float, t: float) -> str:
     """What these words are, if not a push that takes over at ``t`` an emergency that has ``begun``;
     "" if they are one."""
     if push[0] < begun + _QUIET[0]:
-        held = f"a stick heard {t - push[-2]:.1f} s before takes over" if len(push) > 1 else ""
-        return held or f"an M {t - begun:.1f} s behind its begin takes over"
+        if len(push) > 1:
+            return f"a stick heard {t - push[-2]:.1f} s before takes over"
+        return f"an M {t - begun:.1f} s behind its begin takes over"
     if t < push[0] + _PUSHED:
         return f"a push of {t - push[0]:.2f} s takes over"
     at_once = sum(at < push[0] + _PUSHED for at in push)
