@@ -30,14 +30,17 @@ def draw_ellipses(
     axes: Axes, places: Iterable[Placed], width: float, colour: str, label: str = "95 % ellipses"
 ) -> None:
     """Those that a frame of ``width`` m has room for, each clear of the one before it; the legend
-    gets the label if one is drawn."""
+    has the label, and says if larger ones were left out."""
     from matplotlib.patches import Ellipse
 
+    known = [(e, n, ellipse(covariance)) for e, n, covariance in places if math.isfinite(e + n)]
+    fitting = [(e, n, axis) for e, n, axis in known if axis[0] <= LARGEST * width]
+    if len(fitting) < len(known):
+        label += ", larger ones left out" if fitting else ", left out: larger than the track"
+        if not fitting:
+            axes.plot([], [], color=colour, lw=0.6, linestyle="", label=label)
     last = (math.inf, math.inf, 0.0)  # east, north, long axis
-    for east, north, covariance in places:
-        along, across, bearing = ellipse(covariance)
-        if along > LARGEST * width or not math.isfinite(east + north):
-            continue
+    for east, north, (along, across, bearing) in fitting:
         if math.hypot(east - last[0], north - last[1]) < (along + last[2]) / 2.0:
             continue
         last = east, north, along

@@ -48,7 +48,17 @@ def test_an_ellipse_that_would_bury_the_track_is_left_out_and_none_widens_the_fr
     draw_ellipses(axes, [(50.0, 5.0, fits), (50.0, 5.0, buries), (math.nan, 0.0, fits)], 100.0, "k")
     assert len(axes.patches) == 1
     assert (axes.get_xlim(), axes.get_ylim()) == frame
-    assert [text.get_text() for text in axes.legend().get_texts()] == ["95 % ellipses"]
+    said = [text.get_text() for text in axes.legend().get_texts()]
+    assert said == ["95 % ellipses, larger ones left out"]
+
+
+def test_the_legend_says_where_every_ellipse_would_bury_the_track_and_where_none_would() -> None:
+    for sigma2, words in ((1.0, "95 % ellipses"), (1e6, "95 % ellipses, left out: larger than")):
+        axes = drawing.Figure().subplots()
+        draw_ellipses(axes, [(50.0, 5.0, (sigma2, 0.0, sigma2))], 100.0, "k")
+        (said,) = (text.get_text() for text in axes.legend().get_texts())
+        assert said.startswith(words)
+        assert ("left out" in said) == (len(axes.patches) == 0)
 
 
 def test_ellipses_that_lie_on_one_another_are_drawn_once() -> None:

@@ -237,6 +237,7 @@ def started(*words: str) -> subprocess.Popen[str]:
 def test_the_tail_of_a_black_box_gives_each_whole_record_once(tmp_path: Path) -> None:
     path = tmp_path / "box.mcap"
     box = BlackBox(path, shell=True)
+    box.store(b"")
     tail = Tail(path)
     assert list(tail.read()) == []
     for number in range(3):
@@ -259,6 +260,7 @@ def test_a_frame_that_is_cut_between_two_writings_is_whole_whatever_the_clock_sa
     tmp_path: Path, clock: float
 ) -> None:
     box = BlackBox(tmp_path / "box.mcap", 1000.0, shell=True)
+    box.store(b"")
     pieces = [Rx(1.0, "vehicle", ACK[:4]), Rx(1.0, "gps", ACK), Rx(1.03, "vehicle", ACK[4:])]
     left = iter(pieces)
 

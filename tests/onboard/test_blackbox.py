@@ -147,6 +147,7 @@ def test_a_disk_that_fails_stops_nothing_and_splits_no_record(
 ) -> None:
     path = tmp_path / "box.mcap"
     box = BlackBox(path, shell=True)
+    box.store(b"")
     really = os.write
     answers = iter([7, OSError(errno.ENOSPC, "No space left on device"), 30])
 
@@ -172,7 +173,6 @@ def test_a_file_that_cannot_be_made_at_first_has_everything_once_it_can(tmp_path
     folder = tmp_path / "log"
     folder.write_text("in the way")
     box = BlackBox(folder / "box.mcap", shell=True)
-    assert "cannot be made" in box.failure
     for record in RECORDS:
         box.record(record)
     box.store(box.take())

@@ -220,7 +220,7 @@ def test_a_port_that_stays_away_keeps_serve_from_nothing(tmp_path: Path) -> None
 def test_a_disk_that_takes_nothing_stops_nothing(tmp_path: Path) -> None:
     (tmp_path / "log").write_text("a file where the folder should be")
     with silent_board() as (_, device), running(tmp_path, f"serial://{device}") as pi:
-        assert pi.has_told("nothing will be recorded")
+        soon(lambda: pi.has_told("nothing will be recorded"), "the failure")
         with pi.boat() as boat:
             assert asked(boat, b"@AQ$").startswith(b"@AR,empty")
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import json
+import os
 import signal
 import socket
 import subprocess
@@ -13,6 +14,7 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import pytest
 from served import (
@@ -36,7 +38,7 @@ from mission.model import STOPPED, SURFACED, SURFACING
 from mission.model.shipped import load_vehicle
 from mission.onboard.blackbox import BlackBox, read_parts
 from mission.onboard.configuration import Configuration
-from mission.onboard.runtime.records import RX, read_rx
+from mission.onboard.runtime.records import RX, TX, read_rx, read_tx
 from mission.onboard.runtime.runtime import Runtime
 from mission.onboard.serve import ports
 from mission.onboard.serve import serve as shell
@@ -59,6 +61,39 @@ def test_what_was_under_way_surfaces_after_a_restart(tmp_path: Path) -> None:
             return b"@ZAU12$" in heard
 
         soon(read, "an upward word")
+
+
+def test_the_first_word_of_a_restart_waits_for_no_card(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The file of its black box is made when the card lets it, and has that word then."""
+    hangs, goes_on, really = threading.Event(), threading.Event(), os.open
+
+    def hang(path: str | Path, *how: Any, **more: Any) -> int:
+        if str(path).endswith(".mcap") and not goes_on.is_set():
+            hangs.set()
+            assert goes_on.wait(PATIENCE)
+        return really(path, *how, **more)
+
+    monkeypatch.setattr("mission.onboard.blackbox.box.os.open", hang)
+    store, heard = MemoryStore(Stored(under_way="autonomous/out")), bytearray()
+
+    def is_said() -> bool:
+        heard.extend(read_now(master))
+        return b"@ZAU12$" in heard
+
+    with silent_board() as (master, device):
+        with running(tmp_path, f"serial://{device}", store=store) as pi:
+            try:
+                soon(is_said, "an upward word")
+                assert hangs.wait(PATIENCE)
+                assert pi.ready is not None
+                assert not Path(pi.ready.black_box).exists()
+            finally:
+                goes_on.set()
+        assert replays(pi)
+    told = [read_tx(r).data for r in read_parts(Path(pi.ready.black_box)) if r.kind == TX]
+    assert b"@ZAU12$" in told
 
 
 @contextmanager
@@ -232,9 +267,9 @@ def test_a_fault_of_the_program_begins_another_drive_that_surfaces(
         assert asked(boat, b"@AQ$").startswith(b"@AR,")
         boat.sendall(b"boom")
         soon(lambda: pi.has_told("a bug"), "the fault")
-        soon(lambda: len(list((tmp_path / "log").iterdir())) == 2, "another black box")
+        soon(lambda: len(list((tmp_path / "log").glob("*"))) == 2, "another black box")
         assert asked(boat, b"@AQ$").startswith(b"@AR,")
-    assert all(replay(list(read_parts(p))).identical for p in (tmp_path / "log").iterdir())
+    assert all(replay(list(read_parts(p))).identical for p in (tmp_path / "log").glob("*"))
 
 
 def test_behind_a_fault_of_the_program_orders_do_not_wait_for_the_disk_nor_does_it_lose_a_record(
@@ -259,12 +294,15 @@ def test_behind_a_fault_of_the_program_orders_do_not_wait_for_the_disk_nor_does_
             patch.setattr(Runtime, "receive", lambda *_: 1 // 0)
             boat.sendall(b"@NI$")
             soon(lambda: pi.has_told("a fault of the program"), "the fault")
-        soon(lambda: len(list((tmp_path / "log").iterdir())) == 2, "another black box")
-        boat.sendall(b"@ZAX0$")
-        soon(lambda: b"@ZAX0$" in read_now(master), "the operator's X")
+
+        def is_obeyed() -> bool:
+            boat.sendall(b"@ZAX0$")
+            return b"@ZAX0$" in read_now(master)
+
+        soon(is_obeyed, "the operator's X")
         assert not closed.is_set()
         ordered.set()
-    assert all(replay(list(read_parts(p))).identical for p in (tmp_path / "log").iterdir())
+    assert all(replay(list(read_parts(p))).identical for p in (tmp_path / "log").glob("*"))
 
 
 @pytest.mark.replaces
@@ -282,7 +320,7 @@ def test_behind_a_fault_of_the_program_the_nodes_are_as_at_first(
             patch.setattr(Runtime, "receive", lambda *_: 1 // 0)
             boat.sendall(b"@NI$")
             soon(lambda: pi.has_told("a fault of the program"), "the fault")
-        soon(lambda: len(list((tmp_path / "log").iterdir())) == 2, "another black box")
+        soon(lambda: len(list((tmp_path / "log").glob("*"))) == 2, "another black box")
         assert asked(boat, b"@NI$") == b"@ACK_NI\x23$"
         boat.sendall(b"@ZAX0$")
         heard = bytearray()

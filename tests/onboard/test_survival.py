@@ -289,6 +289,7 @@ def test_a_disk_that_fills_at_any_byte_leaves_the_old_content_of_the_store(tmp_p
 def test_a_disk_that_fills_at_any_byte_splits_no_record_of_the_black_box(tmp_path: Path) -> None:
     records = [Record(i / 8, RX, bytes([i]) * (10 + i)) for i in range(12)]
     whole = BlackBox(tmp_path / "whole.mcap", shell=True)
+    whole.store(b"")
     begun = (tmp_path / "whole.mcap").stat().st_size
     for record in records:
         whole.record(record)

@@ -81,8 +81,6 @@ def map_of(dive: Dive) -> Picture:
     shown += ["estimated track by legs"]
     shown += ["smoothed track", "fixes"] if dive.smoothed is not None else []
     caption = f"Map: {', '.join(shown)}{of}."
-    if dive.covariances:
-        caption += " 95 % ellipses that would bury the track are left out."
     if goes_on(dive):
         caption += " The plan goes on beyond the map."
     return Picture("map", caption, 1, (8.5, 6.5), lambda axes: draw_map(axes[0], dive), "tight")

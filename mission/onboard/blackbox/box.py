@@ -1,7 +1,7 @@
 """What writes a black box, record by record.
 
 A file that has grown to its limit is closed and goes on in the next part. A disk that fails must
-not stop the vehicle: nothing here raises after opening, nor where a shell opens it. What cannot be
+not stop the vehicle: nothing here raises after opening, nor where a shell stores. What cannot be
 written waits, the first ``WAITING`` bytes of it; what is lost is counted, and its numbers are
 missing in the file.
 
@@ -28,8 +28,8 @@ class BlackBox:
 
     ``shell`` False: ``record`` writes by itself, in batches, never synced. True: ``record`` only
     keeps; the shell calls ``take`` in the same thread and gives what it got to ``store`` in
-    another, one at a time; a file that cannot be made is tried again with each ``store``.
-    Raises BlackBoxError if the file cannot be made and there is no shell.
+    another, one at a time; the first ``store`` makes the file, and each tries again where that
+    failed. Raises BlackBoxError if the file cannot be made and there is no shell.
     """
 
     def __init__(
@@ -41,12 +41,8 @@ class BlackBox:
         self._pending, self._start, self._number = bytearray(), b"", 0
         self._unwritten = bytearray()
         self.fd, self._size, self._closed = -1, 0, False
-        try:
+        if not shell:
             self._open()
-        except BlackBoxError as error:
-            if not shell:
-                raise
-            self.failure = str(error)
 
     def record(self, record: Record) -> None:
         number, self._number = self._number, self._number + 1

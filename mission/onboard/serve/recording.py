@@ -47,13 +47,12 @@ class Recording:
         return str(self.box.path) if self.box is not None else ""
 
     def begin(self, folder: Path, wall: float) -> None:
-        """A black box of its own for a runtime that begins; the disk closes the one before."""
+        """A black box of its own for a runtime that begins; the disk closes the one before, and
+        makes this one: its first word waits for neither."""
         if self.box is not None:
             self._disk.submit(self.box.close)
         self.box = BlackBox(_free_path(folder, wall), wall, shell=True)
-        self._failure = self.box.failure
-        if self._failure:
-            self._tell(f"{self._failure} - nothing will be recorded until that is mended")
+        self._disk.submit(self.box.store, b"")
         self.sinks.put("the black box", self.box)
 
     async def keep_box(self) -> None:
@@ -73,7 +72,8 @@ class Recording:
                 self._close_parts(box.path.parent, box.path)
             if box.failure != self._failure:
                 self._failure = box.failure
-                self._tell(f"black box: {self._failure or 'it is written now'}")
+                until = "" if box.fd >= 0 else " - nothing will be recorded until that is mended"
+                self._tell(f"black box: {self._failure or 'it is written now'}{until}")
 
     async def keep_status(self, folder: Path, look: Callable[[], health.Health | None]) -> None:
         """Runs until it is cancelled."""
