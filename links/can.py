@@ -5,8 +5,11 @@ Bytes in and out are records, one per frame:
     identifier u16, high byte first | DLC u8 | data
 
 Only standard data frames (11-bit identifier, at most 8 bytes) are carried: remote, error, extended
-and FD frames are counted in ``skipped``. python-can is an extra (auvmission[can]) and is imported
-when a bus is opened; its ``virtual`` interface connects programs' links within one process.
+and FD frames are counted in ``skipped``. Bus-off closes the link, and a bus without a carrier is
+absent: the kernel drops what is sent then as if it had left. A bus that is up without ``one-shot``
+keeps old thrust until boards that were without power hear it; without ``restart-ms`` bus-off lasts.
+python-can is an extra (auvmission[can]) and is imported when a bus is opened; its ``virtual``
+interface connects programs' links within one process.
 
 ``can://239.74.163.2:43113?interface=udp_multicast`` is a bus between programs of one computer or
 network. python-can hears every group of its port: two buses need two ports.
@@ -18,6 +21,7 @@ What does not live here: what identifiers mean (protocol).
 from __future__ import annotations
 
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 from links import Address, LinkAddressError
@@ -30,6 +34,8 @@ SENSORS_BAUD = 115_200  # bit/s, of the serial line beside the bus
 MOST_AT_ONCE = 4096  # frames per receive: a flooded bus must not hold up the loop
 _HEAD = 3
 _STANDARD = 0x7FF
+_BUS_OFF = 0x40  # of the class of an error, as Linux tells it (linux/can/error.h)
+INTERFACES = Path("/sys/class/net")  # Linux's own
 
 
 class CanLink:
@@ -55,9 +61,12 @@ class CanLink:
             self.bus = can.Bus(channel=channel, interface=interface, bitrate=bitrate, **more)
         except (can.CanError, OSError, ValueError, ImportError) as error:
             raise LinkAbsent(
-                f"{name}: no CAN bus {channel} by {interface}: {error}; is it up "
-                f"(ip link set {channel} up type can bitrate {bitrate})?"
+                f"{name}: no CAN bus {channel} by {interface}: {error}; is it up (ip link set "
+                f"{channel} up type can bitrate {bitrate} restart-ms 100 one-shot on)?"
             ) from error
+        if interface == "socketcan" and _is_without_carrier(channel):
+            self.close()
+            raise LinkAbsent(f"{name}: the CAN bus {channel} has no carrier: it is off")
 
     def fileno(self) -> int:
         if self.bus is None:
@@ -77,6 +86,8 @@ class CanLink:
                 raise LinkClosed(f"{self.name}: {error}") from error
             if frame is None:
                 break
+            if frame.is_error_frame and frame.arbitration_id & _BUS_OFF:
+                raise LinkClosed(f"{self.name}: the bus is off: a short, or another bit rate")
             if _carried(frame):
                 head = frame.arbitration_id.to_bytes(2, "big") + bytes([frame.dlc])
                 out.append(Rx(now, self.name, head + bytes(frame.data)))
@@ -105,6 +116,14 @@ class CanLink:
         if self.bus is None:
             raise LinkClosed(f"{self.name}: the link was closed")
         return self.bus
+
+
+def _is_without_carrier(channel: str) -> bool:
+    """As Linux tells of a bus that is up; False where it does not tell."""
+    try:
+        return (INTERFACES / channel / "carrier").read_text().strip() == "0"
+    except OSError:
+        return False
 
 
 def _carried(frame: Any) -> bool:

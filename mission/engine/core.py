@@ -334,11 +334,12 @@ class Core(Flying):
         self._move("silent", MANUAL_WAITING, why, self._stop(why), None)
 
     def stick_forgotten(self) -> None:
-        """Ends manual a minute after the last M: idle at the surface; surfacing where it is deeper,
-        or where the depth is not known or has not changed since before the stick, once AUTO is
-        open: until then nothing turns by itself."""
+        """Ends manual a minute after the last M: idle at the surface, and where the vehicle never
+        tells a depth; surfacing where it is deeper, or where the depth is not known or has not
+        changed since before the stick, once AUTO is open: until then nothing turns by itself."""
         depth = self.vehicle_state.depth if self.vehicle_state.lives else None
-        if depth is None or depth >= SURFACE_DEPTH:
+        tells = "depth" in self.vehicle.reports  # else nothing could end an ascent
+        if tells and (depth is None or depth >= SURFACE_DEPTH):
             seen = "the depth is not known" if depth is None else f"{depth:.1f} m deep"
             if self.auto:
                 self.surface("forgotten", f"no M for a minute, and {seen}", By.LIMIT)
@@ -346,7 +347,8 @@ class Core(Flying):
         self.halt_run()
         self.emergency_since_idle = False
         target = IDLE_READY if self.chart else IDLE_EMPTY
-        self._move("forgotten", target, "no M for a minute, at the surface", (), None)
+        where = "at the surface" if tells else "and no depth is ever told"
+        self._move("forgotten", target, f"no M for a minute, {where}", (), None)
 
     def auto_off(self) -> None:
         """Ends the mission when node AUTO is closed (R13), and lets go of what is held up; either

@@ -6,9 +6,10 @@
     it says nothing                       --> nothing: the error that led here is all
 
 Words, port and bit rate are those of the configuration that worked (serve: working), else the
-AUV's. A depth is read where the report is an ``@SD``. No operator is heard and nothing is recorded:
-whoever reads the journal has to mend the program. What does not live here: everything else; an
-ascent that is flown as it should be is the engine's.
+AUV's. The port is a serial one, a TCP one, or a bus of Linux (SocketCAN). A depth is read where the
+report is an ``@SD``. No operator is heard and nothing is recorded: whoever reads the journal has to
+mend the program. What does not live here: everything else; an ascent that is flown as it should be
+is the engine's.
 """
 
 from __future__ import annotations
@@ -19,12 +20,14 @@ import math
 import os
 import select
 import signal
+import socket
 import struct
 import sys
 import time
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
+from urllib.parse import parse_qsl, urlsplit
 
 from mission.onboard.kept import Homes, default_folder, read_summed
 from mission.onboard.serve.watchdog import Watchdog
@@ -41,6 +44,7 @@ AT_REST = (
     "something that the store",
 )
 _BUFFER = 4096
+_STANDARD = 0x7FF  # the highest identifier of a bus
 
 Way = tuple[bytes, ...]
 
@@ -50,7 +54,7 @@ class Plan:
     """``period``: s, where a board wants to be told again and again; None: it keeps what it was
     told. ``climbs``: something is under way."""
 
-    device: str = "/dev/serial0"
+    url: str = "serial:///dev/serial0"
     baud: int = 9600
     stop: Way = (b"@ZAX0$",)
     surface: Way = (b"@ZAWF$",)
@@ -155,7 +159,7 @@ def plan_from(arguments: Sequence[str], environment: Mapping[str, str]) -> Plan 
 
 
 def _at_rest(plan: Plan) -> Plan:
-    return Plan(plan.device, plan.baud, plan.stop, plan.surface, plan.up, plan.period, False)
+    return replace(plan, climbs=False)
 
 
 def _under_way(store: Path, known: bool) -> str:
@@ -168,19 +172,22 @@ def _under_way(store: Path, known: bool) -> str:
 
 
 def _words(kept: dict, vehicle: str) -> Plan:  # type: ignore[type-arg]
-    url = vehicle or kept.get("configuration", {}).get("links", {}).get("vehicle", "")
     usual = Plan()
-    device, _, options = url.removeprefix("serial://").partition("?")
-    baud = options.removeprefix("baud=")
+    url = vehicle or kept.get("configuration", {}).get("links", {}).get("vehicle", "") or usual.url
+    baud = _options(url).get("baud", "")
     ways = {name: tuple(map(bytes.fromhex, way)) for name, way in kept.get("ways", {}).items()}
     return Plan(
-        device if url.startswith("serial:///") else usual.device,
+        url,
         int(baud) if baud.isdigit() else kept.get("baud", usual.baud),
         ways.get("stop", usual.stop),
         ways.get("surface", usual.surface),
         ways.get("up", () if ways else usual.up),
         kept.get("period"),
     )
+
+
+def _options(url: str) -> dict[str, str]:
+    return dict(parse_qsl(url.partition("?")[2]))
 
 
 def _json(path: Path) -> dict:  # type: ignore[type-arg]
@@ -204,7 +211,11 @@ def _option(arguments: Sequence[str], name: str) -> str:
 
 
 def launch(plan: Plan) -> None:
-    """Until a signal ends it."""
+    """Until a signal ends it. Raises SystemExit where there is no such port."""
+    if _kind(plan.url) not in _OPENS:
+        raise SystemExit(
+            f"lifeboat: {plan.url}: only serial, tcp and can (socketcan) are open to it"
+        )
     signals: list[int] = []
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda received, _: signals.append(received))
@@ -215,16 +226,16 @@ def launch(plan: Plan) -> None:
     while not signals:
         watchdog.fed(time.monotonic())
         if port < 0:
-            port = _opened(plan)
+            port = opened(plan)
         try:
-            _turn(port, climb, buffer)
+            _turn(port, plan, climb, buffer)
         except OSError:
             port = _closed(port)
     with contextlib.suppress(OSError):
-        _say(port, climb.last_words)
+        _say(port, plan, climb.last_words)
 
 
-def _turn(port: int, climb: Climb, buffer: bytearray) -> None:
+def _turn(port: int, plan: Plan, climb: Climb, buffer: bytearray) -> None:
     """One look at the port. Raises OSError."""
     if port < 0:
         time.sleep(AGAIN_S)
@@ -237,27 +248,44 @@ def _turn(port: int, climb: Climb, buffer: bytearray) -> None:
     now = time.monotonic()
     for depth in depths(buffer):
         climb.hear(depth, now)
-    _say(port, climb.words(now))
+    _say(port, plan, climb.words(now))
 
 
-def _say(port: int, way: Way) -> None:
-    for frame in way:
-        os.write(port, frame)
-        time.sleep(GAP_S)
+def _say(port: int, plan: Plan, way: Way) -> None:
+    for frame in map(can_frame, way) if _kind(plan.url) == "can" else way:
+        if frame:
+            os.write(port, frame)
+            time.sleep(GAP_S)
     if way:
         sys.stderr.write(f"lifeboat: to the vehicle: {b' '.join(way)!r}\n")
 
 
-def _opened(plan: Plan) -> int:
+def can_frame(record: bytes) -> bytes:
+    """Linux's can_frame of a record of links.can; none for what is of the line beside the bus."""
+    identifier, size, data = int.from_bytes(record[:2], "big"), record[2], record[3:]
+    return struct.pack("=IB2xB8s", identifier, size, size, data) if identifier <= _STANDARD else b""
+
+
+def _kind(url: str) -> str:
+    """Of its port; another interface of python-can than Linux's own is none."""
+    scheme, interface = url.partition("://")[0], _options(url).get("interface", "socketcan")
+    return scheme if scheme != "can" or interface == "socketcan" else interface
+
+
+def opened(plan: Plan) -> int:
     """-1: not now."""
+    try:
+        return _OPENS[_kind(plan.url)](plan)
+    except (OSError, ValueError):
+        return -1
+
+
+def _open_serial(plan: Plan) -> int:
     import fcntl
     import termios
     import tty
 
-    try:
-        port = os.open(plan.device, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
-    except OSError:
-        return -1
+    port = os.open(urlsplit(plan.url).path, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
     try:
         fcntl.flock(port, fcntl.LOCK_EX | fcntl.LOCK_NB)
         tty.setraw(port)
@@ -267,6 +295,23 @@ def _opened(plan: Plan) -> int:
     except (OSError, termios.error):
         return _closed(port)
     return port
+
+
+def _open_tcp(plan: Plan) -> int:
+    there = urlsplit(plan.url)
+    link = socket.create_connection((there.hostname or "", there.port or 0), AGAIN_S)
+    link.setblocking(False)
+    return link.detach()
+
+
+def _open_bus(plan: Plan) -> int:
+    with socket.socket(socket.AF_CAN, socket.SOCK_RAW, socket.CAN_RAW) as bus:
+        bus.setblocking(False)
+        bus.bind((urlsplit(plan.url).netloc,))
+        return bus.detach()
+
+
+_OPENS = {"serial": _open_serial, "tcp": _open_tcp, "can": _open_bus}
 
 
 def _closed(port: int) -> int:

@@ -14,14 +14,15 @@ starboard down, Euler Y pitch nose up, and Euler Z by the right hand a yaw that 
 
 Setpoints: X ahead, Z turn to starboard, F up ("float"), each -1..1 of full effort (E-R8). The two
 hold flags hold what is there when they are set; they take no heading and no depth, so neither can
-be asked for. Sent at 20 Hz; the board goes neutral after 500 ms of silence (R17).
+be asked for. The document gives r/min neither a sign nor a full speed: the keys have both, and
+``doctor --signs`` finds them. Sent at 20 Hz; the board goes neutral after 500 ms of silence (R17).
 
 What does not live here: framing and checks (protocol.framing, protocol.fields).
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from protocol.checksum import sum256
 from protocol.codec import CannotEncode, Received
@@ -56,6 +57,8 @@ from protocol.vehicles.stick import stick_keys
 
 PERIOD = 0.05  # s (R17)
 SILENCE = 0.5
+FULL_SPEED = 1000  # r/min, the field's range
+THRUSTERS = ("left_front", "right_front", "left_up", "right_up")
 
 KEYS: Keys = (
     baud(115_200),
@@ -63,11 +66,20 @@ KEYS: Keys = (
     Key("x_sign", 1, -1, 1, "1: X pushes ahead; -1: astern (E-R8)"),
     Key("z_sign", 1, -1, 1, "1: Z turns to starboard; -1: to port (E-R8)"),
     Key("f_sign", 1, -1, 1, "1: F pushes up; -1: down (E-R8)"),
+    *(
+        Key(
+            f"{name}_rpm",
+            FULL_SPEED,
+            -FULL_SPEED,
+            FULL_SPEED,
+            f"r/min of rpm_{name} at full effort {'up' if 'up' in name else 'ahead'}; 0: not known",
+        )
+        for name in THRUSTERS
+    ),
 )
 
 _DATE_LEN_AT, _COMMAND_AT = 3, 4
-_FULL_SPEED = 1000.0  # r/min
-THRUSTERS = ("left_front", "right_front", "left_up", "right_up")
+_FULL = (FULL_SPEED,) * len(THRUSTERS)
 SUM, TAIL = Check(sum256, "B", first=_COMMAND_AT), Const(b"\r\n")
 
 
@@ -178,7 +190,8 @@ SOURCES: tuple[Source, ...] = (
 )
 
 
-def telemetry(values: Values, t: float) -> Telemetry:
+def telemetry(values: Values, t: float, full: Sequence[float] = _FULL) -> Telemetry:
+    """``full``: r/min at full effort, by thruster; one of 0: what they do is not known."""
     legacy = "temperature_c" not in values
     return Telemetry(
         t=t,
@@ -187,12 +200,15 @@ def telemetry(values: Values, t: float) -> Telemetry:
         pitch=radians_of(values, "ey_deg"),
         roll=radians_of(values, "ex_deg"),
         temperature_c=None if legacy else float(values["temperature_c"]),
-        actuators=None
-        if legacy
-        else tuple(values[f"rpm_{name}"] / _FULL_SPEED for name in THRUSTERS),
+        actuators=None if legacy or 0 in full else _shares(values, full),
         faults=tuple(values["flags"]),
         board=told(values, tuple(values["flags"]), SOURCES),
     )
+
+
+def _shares(values: Values, full: Sequence[float]) -> tuple[float, ...]:
+    rates = (values[f"rpm_{name}"] / most for name, most in zip(THRUSTERS, full, strict=True))
+    return tuple(max(-1.0, min(rate, 1.0)) for rate in rates)
 
 
 NEUTRAL: Values = {
@@ -242,7 +258,8 @@ class RovCodec(SilentBoard):
         wire: Wire | None = None,
     ) -> None:
         chosen = tolerances or Tolerances()
-        super().__init__(LINKS[1].framer(chosen), _telemetry, wire or read_wire(KEYS, {}))
+        super().__init__(LINKS[1].framer(chosen), self._read, wire or read_wire(KEYS, {}))
+        self._rpm = tuple(self._wire[f"{name}_rpm"] for name in THRUSTERS)
         self._frame, self._full = down(chosen), full_effort(chosen)
         self._legacy = chosen["layout003"] == "legacy"
         self._signs = {name: self._wire[f"{name}_sign"] for name in ("x", "z", "f")}
@@ -261,6 +278,5 @@ class RovCodec(SilentBoard):
         efforts = {name: self._full * sign * values[name] for name, sign in self._signs.items()}
         return [self._frame.encode(values | efforts)]
 
-
-def _telemetry(frame: Frame) -> Received:
-    return telemetry(frame.values(), frame.t)
+    def _read(self, frame: Frame) -> Received:
+        return telemetry(frame.values(), frame.t, self._rpm)

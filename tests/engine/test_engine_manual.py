@@ -82,6 +82,18 @@ def test_a_stick_that_is_forgotten_believes_no_depth_that_stands_since_before_it
     assert world.state == (SURFACING if stands else IDLE_READY)
 
 
+@pytest.mark.parametrize("name", ["motorboards", "robot"])
+def test_a_stick_that_is_forgotten_turns_nothing_on_what_never_tells_a_depth(name: str):
+    """No report could end an ascent: it may lie on a bench."""
+    world = World(vehicle=load_vehicle(name))
+    world.depth = None
+    drive(world, 3.0)
+    begun = len(world.actions)
+    world.wait(100.0)
+    assert world.state == IDLE_EMPTY
+    assert {a.command for _, a in world.actions[begun:]} <= {Order.STOP}
+
+
 @pytest.mark.parametrize("order", [X, None])
 def test_what_the_stick_leads_down_is_no_unexplained_descent_when_it_ends(order):
     world = World(mission(leg("a", timeout=400.0)))

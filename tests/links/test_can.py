@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 from link_pair import multicast
@@ -76,8 +77,52 @@ def test_a_bus_that_fails_under_way_is_closed(pair: tuple[Link, Link]) -> None:
             use()
 
 
+def test_a_bus_off_closes_the_link_and_another_error_is_counted(pair: tuple[Link, Link]) -> None:
+    near, far = pair
+    for class_, is_off in ((0x20, False), (0x40, True), (0x44, True)):
+        told = can.Message(
+            arbitration_id=class_, is_error_frame=True, is_extended_id=False, data=bytes(8)
+        )
+        far.bus.send(told)  # type: ignore[attr-defined]
+        if is_off:
+            with pytest.raises(LinkClosed, match="pi: the bus is off"):
+                near.receive(0.0)
+        else:
+            assert near.receive(0.0) == []
+    assert near.skipped == 1  # type: ignore[attr-defined]
+
+
+@pytest.mark.parametrize(("carrier", "absent"), [("0\n", True), ("1\n", False), (None, False)])
+def test_a_bus_of_linux_without_a_carrier_is_absent(
+    carrier: str | None, absent: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What is sent then is dropped by the kernel as if it had left."""
+    if carrier is not None:
+        (tmp_path / "can0").mkdir()
+        (tmp_path / "can0" / "carrier").write_text(carrier)
+    really, shut = can.Bus, []
+
+    def virtual(channel: str, interface: str, bitrate: int) -> object:
+        assert interface == "socketcan"
+        bus = really(channel=channel, interface="virtual", bitrate=bitrate)
+        monkeypatch.setattr(bus, "shutdown", lambda: shut.append(1))
+        return bus
+
+    monkeypatch.setattr(can, "Bus", virtual)
+    monkeypatch.setattr("links.can.INTERFACES", tmp_path)
+    if absent:
+        with pytest.raises(LinkAbsent, match="the CAN bus can0 has no carrier"):
+            open_link("pi", "can://can0")
+        assert shut == [1]
+    else:
+        open_link("pi", "can://can0").close()
+
+
 def test_an_absent_bus_is_named_with_what_to_do() -> None:
-    with pytest.raises(LinkAbsent, match=r"vehicle: no CAN bus can9 .*ip link set can9 up"):
+    with pytest.raises(
+        LinkAbsent,
+        match=r"vehicle: no CAN bus can9 .*ip link set can9 up type can bitrate 500000 restart-ms 100 one-shot on",
+    ):
         open_link("vehicle", "can://can9")
     with pytest.raises(LinkAbsent, match="no CAN bus x by carrier-pigeon"):
         open_link("vehicle", "can://x?interface=carrier-pigeon")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import signal
+import socket
 import struct
 import subprocess
 import sys
@@ -20,7 +21,15 @@ from mission.model.shipped import load_vehicle, vehicle_file
 from mission.model.vehicle_file import read_vehicle
 from mission.onboard.configuration import Configuration, LinkUrls
 from mission.onboard.kept import Homes, write_summed
-from mission.onboard.lifeboat import Climb, Plan, depths, plan_from
+from mission.onboard.lifeboat import (
+    Climb,
+    Plan,
+    can_frame,
+    depths,
+    launch,
+    opened,
+    plan_from,
+)
 from mission.onboard.serve.working import Working, keep
 from mission.onboard.store import DiskStore
 from protocol.tolerances import Tolerances
@@ -136,8 +145,14 @@ def test_depths_come_from_whole_reports_alone() -> None:
 # --- what it begins with --------------------------------------------------------------------------
 
 
-def left(folder: Path, under_way: str, vehicle: str = "auv", device: str = "/dev/ttyAUV") -> Path:
-    links = LinkUrls(vehicle=f"serial://{device}?baud=115200")
+def left(
+    folder: Path,
+    under_way: str,
+    vehicle: str = "auv",
+    device: str = "/dev/ttyAUV",
+    url: str = "",
+) -> Path:
+    links = LinkUrls(vehicle=url or f"serial://{device}?baud=115200")
     configuration = Configuration(folder=folder / "pi", links=links)
     keep(Working(configuration, load_vehicle(vehicle)), Homes(None, folder / "pi", {}))
     DiskStore(folder / "pi" / "store").keep_under_way(under_way)
@@ -149,10 +164,11 @@ def left(folder: Path, under_way: str, vehicle: str = "auv", device: str = "/dev
 def test_its_words_and_port_are_those_of_the_configuration_that_worked(tmp_path: Path) -> None:
     config = left(tmp_path, "autonomous/out")
     plan = plan_from(["--config", str(config)], {})
-    assert plan == Plan("/dev/ttyAUV", 115200, (X,), (W,), (X, U), None, True)
+    url = "serial:///dev/ttyAUV?baud=115200"
+    assert plan == Plan(url, 115200, (X,), (W,), (X, U), None, True)
     plan = plan_from([f"--config={config}", "--vehicle", "serial:///dev/other"], {})
     assert plan is not None
-    assert (plan.device, plan.baud) == ("/dev/other", 9600)
+    assert (plan.url, plan.baud) == ("serial:///dev/other", 9600)
 
 
 def test_other_vehicles_are_told_in_their_own_words_and_at_their_pace(tmp_path: Path) -> None:
@@ -208,10 +224,73 @@ def test_a_record_that_is_no_table_is_none(tmp_path: Path) -> None:
     write_summed(tmp_path / "pi" / "working", json.dumps([1]))
     plan = plan_from(["-c", str(config)], {})
     assert plan is not None
-    assert plan.device == Plan().device
+    assert plan.url == Plan().url
+
+
+@pytest.mark.parametrize("vehicle", ["mainboard", "motorboards"])
+def test_records_are_what_linux_takes_for_a_frame_of_its_bus(vehicle: str, tmp_path: Path) -> None:
+    built = pytest.importorskip("can.interfaces.socketcan.socketcan").build_can_frame
+    can = pytest.importorskip("can")
+    plan = plan_from(["-c", str(left(tmp_path, "autonomous/out", vehicle, url="can://can0"))], {})
+    assert plan is not None
+    records = [*plan.stop, *plan.up]
+    made = [frame for frame in map(can_frame, records) if frame]
+    assert made == [
+        built(
+            can.Message(arbitration_id=record[1], data=record[3:], is_extended_id=False, check=True)
+        )
+        for record in records
+        if record[0] == 0
+    ]
+    assert len(made) == 4
+    assert len(set(made)) == 3, "the force differs, and the torque does not"
+
+
+def test_a_bus_is_bound_by_its_name(monkeypatch: pytest.MonkeyPatch) -> None:
+    bound: list[tuple[str]] = []
+
+    class Bus(socket.socket):
+        def __init__(self, *asked: int) -> None:
+            assert asked == (socket.AF_CAN, socket.SOCK_RAW, socket.CAN_RAW)
+            super().__init__(socket.AF_UNIX, socket.SOCK_DGRAM)
+
+        def bind(self, address: tuple[str]) -> None:  # type: ignore[override]
+            bound.append(address)
+
+    monkeypatch.setattr("mission.onboard.lifeboat.socket.socket", Bus)
+    port = opened(Plan("can://can0?sensors=/dev/ttyUSB1", 500_000))
+    assert bound == [("can0",)]
+    os.close(port)
+
+
+@pytest.mark.parametrize("url", ["can://239.74.163.2?interface=udp_multicast", "memory://sea"])
+def test_where_there_is_no_way_it_says_so_and_writes_to_no_other_port(url: str) -> None:
+    with pytest.raises(SystemExit, match="only serial, tcp and can"):
+        launch(Plan(url))
 
 
 # --- as a process ---------------------------------------------------------------------------------
+
+
+def test_a_board_on_the_network_is_told_its_way_up(tmp_path: Path) -> None:
+    with socket.create_server(("127.0.0.1", 0)) as board:
+        board.settimeout(PATIENCE)
+        url = f"tcp://127.0.0.1:{board.getsockname()[1]}"
+        config = left(tmp_path, "autonomous/out", "coreboard", url=url)
+        plan = plan_from(["-c", str(config)], {})
+        assert plan is not None
+        with launched(tmp_path, config, "transitions") as pi:
+            try:
+                for _ in range(2):  # the line is lost, and opened again
+                    link, _ = board.accept()
+                    link.settimeout(PATIENCE)
+                    heard = b""
+                    while plan.up[0] not in heard:
+                        heard += link.recv(4096) or pytest.fail("it hung up")
+                    link.close()
+            finally:
+                pi.send_signal(signal.SIGTERM)
+            assert pi.wait(PATIENCE) == 0
 
 
 def launched(folder: Path, config: Path, broken: str) -> subprocess.Popen[bytes]:

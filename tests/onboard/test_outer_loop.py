@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from pathlib import Path
 
 import pytest
@@ -17,6 +18,7 @@ from mission.commands.doctor import doctor
 from mission.model import Action, Result
 from mission.model.shipped import load_vehicle
 from mission.model.vehicle import CLOSED_S, OuterLoop
+from mission.onboard.doctor.signs import sign_findings
 from mission.onboard.runtime.outer_loop import GROWS_S, LoopCloser
 from mission.onboard.runtime.repeater import Repeater
 from mission.verification.simulation.flight import fly
@@ -437,12 +439,88 @@ def signs_of(folder: Path, wire: str = "") -> list[dict[str, str]]:
 
 
 def test_doctor_moves_the_vehicle_and_tells_that_its_signs_are_as_read(tmp_path: Path) -> None:
-    depth, heading = signs_of(tmp_path)
-    assert (depth["state"], heading["state"]) == ("ok", "ok")
+    depth, heading, ahead = signs_of(tmp_path)
+    assert [found["state"] for found in (depth, heading, ahead)] == ["ok"] * 3
     assert "confirmed" in depth["todo"]
+    assert ahead["says"] == "it was pushed ahead with 30% for 3 s"
+    assert "x_sign: -1" in ahead["todo"]
 
 
 def test_doctor_tells_a_sign_that_is_the_other_way_and_what_to_write(tmp_path: Path) -> None:
-    _, heading = signs_of(tmp_path, "wire: {z_sign: -1}\n")
+    _, heading, *_ = signs_of(tmp_path, "wire: {z_sign: -1}\n")
     assert heading["state"] == "fault"
     assert "z_sign: -1" in heading["todo"]
+
+
+def test_doctor_tells_at_which_speed_and_which_way_thrusters_turn_and_what_to_write(
+    tmp_path: Path,
+) -> None:
+    found = signs_of(tmp_path, "wire: {left_up_rpm: -400, right_front_rpm: 500}\n")
+    assert [one["state"] for one in found] == ["ok", "warning", "ok", "warning", "ok", "warning"]
+    down, turned, ahead = (one for one in found if one["state"] == "warning")
+    assert "left_up reports +100% where it was told -90%" in down["says"]
+    assert "right_up" not in down["says"]
+    (rpm,) = re.findall(r"wire: {left_up_rpm: (-?\d+)}", down["todo"])
+    assert int(rpm) == pytest.approx(444, abs=30), "as far as the field was read: try again"
+    for said in (turned, ahead):
+        assert "right_front reports" in said["says"]
+        assert "left_front" not in said["says"]
+
+
+class Sea:
+    """What is reported ten times a second of a vehicle that obeys at once."""
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch, **more: float) -> None:
+        self.t = self.depth = self.heading = 0.0
+        self.asleep, self.turn_rate = more.get("asleep", 0.0), math.radians(more["turn_rate"])
+        self.flags, self.pushed = bool(more.get("flags")), 0
+        monkeypatch.setattr("mission.onboard.doctor.signs._say", self.say)
+        monkeypatch.setattr("mission.onboard.doctor.signs.time.monotonic", lambda: self.t)
+        monkeypatch.setattr("mission.onboard.doctor.signs.open_whole", lambda *_: MemoryLink)
+
+    def say(self, _: object, __: object, effort: Setpoint, seconds: float) -> list[Telemetry]:
+        heard = []
+        self.pushed += effort != Setpoint()
+        for _ in range(round(10 * seconds)):
+            self.t += 0.1
+            self.depth += 0.03 * (effort.heave or 0.0)
+            self.heading += 0.2 * self.turn_rate * effort.turn
+            wakes = self.t < self.asleep
+            self.heading -= 0.05 if wakes else 0.0
+            board = (("ins_aligned", float(not wakes)),) if self.flags else ()
+            told = math.remainder(self.heading, math.tau)
+            heard.append(Telemetry(self.t, depth=self.depth, heading=told, board=board))
+        return heard
+
+
+class MemoryLink:
+    @staticmethod
+    def close() -> None:
+        pass
+
+
+@pytest.mark.parametrize("turn_rate", [30.0, 62.0, 75.0, 140.0])
+def test_doctor_takes_no_nimble_vehicle_for_one_that_turns_the_other_way(
+    turn_rate: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    Sea(monkeypatch, turn_rate=turn_rate)
+    found = list(sign_findings("serial:///dev/rov", load_vehicle("rov")))
+    assert [one.condition.name.lower() for one in found] == ["ok"] * 3
+    (grown,) = re.findall(r"the heading changed by (-?\d+) deg", found[1].says)
+    assert 0.9 * 3 * turn_rate <= float(grown) <= 3 * turn_rate
+
+
+@pytest.mark.parametrize("flags", [0.0, 1.0])
+def test_doctor_moves_nothing_until_the_sensors_are_awake(
+    flags: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    vehicle = load_vehicle("mainboard")
+    sea = Sea(monkeypatch, turn_rate=30.0, asleep=30.0, flags=flags)
+    assert [one.condition.name.lower() for one in sign_findings("serial:///dev/x", vehicle)] == [
+        "ok"
+    ] * 3
+    sea = Sea(monkeypatch, turn_rate=30.0, asleep=300.0, flags=flags)
+    (found,) = sign_findings("serial:///dev/x", vehicle)
+    assert (found.condition.name.lower(), sea.pushed) == ("warning", 0)
+    assert found.says.endswith(": nothing was tried")
+    assert ("the INS is not aligned" in found.says) == bool(flags)

@@ -239,6 +239,14 @@ def test_the_rovs_report_in_si() -> None:
     assert told.pitch == pytest.approx(math.radians(-0.33067858))
     assert told.heading == pytest.approx(math.radians(0.018261943))
     assert told.actuators == (-1.0, 0.0, 0.5, 1.0)
+    wire = {"left_front_rpm": "500", "left_up_rpm": "-800"}
+    for more, shares in (({}, (-1.0, 0.0, -0.625, 1.0)), ({"right_up_rpm": "0"}, None)):
+        board = codec("rov", "documented", {}, wire={**wire, **more})
+        (of_its_own,) = board.receive(
+            summed(ROV_UP, 47, struct.pack("<4i", -900, 0, 500, 1000)), 0.0
+        )
+        assert isinstance(of_its_own, Telemetry)
+        assert of_its_own.actuators == shares
     west = telemetry("rov", summed(ROV_UP, 39, struct.pack("<f", -90.0)))
     assert west.heading == pytest.approx(math.radians(270))
     assert telemetry("rov", summed(ROV_UP, 43, struct.pack("<f", math.nan))).depth is None
