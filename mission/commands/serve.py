@@ -10,9 +10,9 @@ import click
 
 if TYPE_CHECKING:
     from mission.model import Estimate, Step
+    from mission.onboard.serve.listening import Ready
     from mission.onboard.serve.printer import Printer
     from mission.onboard.serve.provision import Provision
-    from mission.onboard.serve.serve import Ready
 
 
 @click.command()

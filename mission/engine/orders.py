@@ -215,6 +215,7 @@ def why_not_fly(core: Core, chart: Chart) -> str:
     return ""
 
 
+LATELY = 60.0  # s: by so old a fix it is known whether home is near (R9)
 _ALLOW = "; 'start without fix' in the mission allows it"
 
 
@@ -232,12 +233,14 @@ def _settle_home(core: Core, chart: Chart) -> str:
         return f"no home: it takes five fixes in a row within 10 m and HDOP 3 at most{_ALLOW}"
     if home is not None and not fresh and not mission.start_without_fix:
         return f"no fix for 5 s: how far home is cannot be told{_ALLOW}"
-    if home is not None and fresh:
-        within = mission.start_within(core.vehicle.sensors.fix)
-        if why := too_far(_from(home, core), core.watch.bounds, within):
+    within = mission.start_within(core.vehicle.sensors.fix)
+    known = fresh
+    if home is not None and vehicle_state.fix is not None:
+        known = core.now - vehicle_state.fix.t <= LATELY
+        if known and (why := too_far(_from(home, core), core.watch.bounds, within)):
             return why
-    if home is None or not fresh:
-        navigation.start_here(core.now)
+    if home is None or not known:
+        navigation.start_here(core.now, 0.0 if home is None else within)
     if home is not None:
         navigation.set_origin(home, core.now)
     navigation.assume_current(mission.current(core.vehicle.current))

@@ -122,14 +122,15 @@ class Run:
             if before is not None and ascended:
                 return self._stay_up(before, stopped, why)
             self._pilot, self.sent = None, None
+            if before is not None and not stopped:
+                return ()  # it goes on: begun anew, W again, it would dive on
             vehicle_state.rising_since = now
-            over = vehicle_state.overturned
             self.ascent = Ascent(
                 now,
                 vehicle_state.moving_depth,
                 why,
                 self._ways,
-                overturned=over,
+                overturned=vehicle_state.overturned,
                 upward=vehicle_state.depth is None,
             )
             return self.ascent.first()
@@ -251,8 +252,7 @@ class Run:
     def _ended(self, vehicle_state: VehicleState) -> bool:
         if self.ascent is not None:
             if self._plan.kind.awaits_fix(self.leg.kind):
-                lately = self.entered - SURFACE_TIME
-                return vehicle_state.fixed(max(self.ascent.began, lately))
+                return vehicle_state.located(max(self.ascent.began, self.entered - SURFACE_TIME))
             return vehicle_state.surfaced(self.ascent.began)
         return self._pilot is not None and self._pilot.finished(self._view(vehicle_state))
 

@@ -366,6 +366,12 @@ class VehicleState:
         """By a fix that proves the surface."""
         return self._fixed_at > since
 
+    def located(self, since: float) -> bool:
+        """By such a fix, and by one that navigation has taken for true."""
+        found = self.estimate
+        used = found is None or (found.fix_age is not None and found.t - found.fix_age > since)
+        return used and self.fixed(since)
+
     def surface_due(self, since: float) -> float | None:
         if self._shallow_since is None or not self.lives:
             return None

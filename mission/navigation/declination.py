@@ -9,9 +9,11 @@ from __future__ import annotations
 
 import functools
 import math
+from typing import Any
 
 _FIRST, _LAST = 2010.0, 2030.0  # the years that the shipped coefficients cover
 _UNDATED = 2026.0
+EPOCHS = 2010, 2015, 2020, 2025  # the years of the tables
 
 
 @functools.lru_cache(maxsize=16)
@@ -20,14 +22,22 @@ def declination(latitude: float, longitude: float, date: str | None = None) -> f
 
     Near a magnetic pole the figure means little; the filter's bias has to carry the rest.
     """
-    from pygeomag import GeoMag
-
     year = min(max(decimal_year(date), _FIRST), _LAST - 0.01)
     epoch = int(_FIRST + 5 * ((year - _FIRST) // 5))
-    result = GeoMag(coefficients_file=f"wmm/WMM_{epoch}.COF").calculate(
+    result = table(epoch).calculate(
         glat=math.degrees(latitude), glon=math.degrees(longitude), alt=0.0, time=year
     )
     return math.radians(result.d)
+
+
+@functools.cache
+def table(epoch: int) -> Any:
+    """Read once; ``serve`` has it read ahead, in a thread that may wait for the disk."""
+    from pygeomag import GeoMag
+
+    made = GeoMag(coefficients_file=f"wmm/WMM_{epoch}.COF")
+    made.calculate(glat=0.0, glon=0.0, alt=0.0, time=float(epoch))  # reads its file
+    return made
 
 
 def decimal_year(date: str | None) -> float:

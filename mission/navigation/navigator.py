@@ -79,10 +79,12 @@ class Navigation:
         self._counted = True
         self._settle(new)
 
-    def start_here(self, now: float, sigma: float = 0.1) -> None:
+    def start_here(self, now: float, within: float = 0.0) -> None:
         """Without any fix, the vehicle is at the origin: positions count from the start. Where that
-        is on the earth the next fix tells, or a home that is set; no frame of before does."""
-        self.core.place(now, 0.0, 0.0, sigma * sigma)
+        is on the earth the next fix tells, or a home that is set, from which it is ``within`` m
+        (95 %); no frame of before does."""
+        sigma = max(within / PLANE_95, 0.1)
+        self.core.place(now, 0.0, 0.0, sigma * sigma, assumed=within > 0.0)
         self.frame, self._own_off, self._counted = None, (0.0, 0.0), True
         self._history.clear()
 

@@ -56,6 +56,7 @@ _KEPT = (
     "_motion",
     "_driven_at",
     "_rejected",
+    "_assumed",
     "_pending",
     "_used",
     "_before",
@@ -72,7 +73,7 @@ class Reckoner:
         self.filter = Filter(figures)
         self.figures = figures
         self.t: float | None = None
-        self.located = False
+        self.located = self._assumed = False
         self.last_fix: float | None = None
         self.nis: tuple[float, int] | None = None
         self.fix_nis: float | None = None  # of the last fix that was used
@@ -240,11 +241,14 @@ class Reckoner:
 
     # --- fixes -------------------------------------------------------------------------------
 
-    def place(self, t: float, north: float, east: float, variance: float) -> None:
-        """The position is known at ``t``."""
+    def place(
+        self, t: float, north: float, east: float, variance: float, assumed: bool = False
+    ) -> None:
+        """The position is known at ``t``. ``assumed``: nothing has told it; what the first fix says
+        beside it is no current."""
         self._advance(max(t, self.t if self.t is not None else t))
         self.filter.place(north, east, variance)
-        self.located = True
+        self.located, self._assumed = True, assumed
         self._rejected = ()
         self.settle()
 
@@ -265,7 +269,7 @@ class Reckoner:
         elif not self._admit(f):
             self._pending = self._pending[:-1]
             return
-        self._used, self.last_fix, self._rejected = f, f.t, ()
+        self._used, self.last_fix, self._rejected, self._assumed = f, f.t, (), False
 
     def _repeats(self, f: GroundFix) -> bool:
         """The same position from a second sentence of the same second."""
@@ -278,7 +282,11 @@ class Reckoner:
             self._rejected = (*self._rejected, f)[-_AGREEING:]
             if len(self._rejected) < _AGREEING or not agree(self._rejected):
                 return False
-            self._open_gate(f)
+            if not self._assumed:
+                self._open_gate(f)
+        if self._assumed:
+            dn, de, _ = self.filter.innovation(f.north, f.east, f.variance)
+            self.filter.loosen(dn * dn + de * de)
         nis = self.filter.innovation(f.north, f.east, f.variance)[2]
         self.filter.fix(f.north, f.east, f.variance)
         self.nis, self.fix_nis = (nis, 2), nis

@@ -905,6 +905,24 @@ def test_until_fix_waits_at_the_surface_with_everything_stopped():
     assert world.state == "autonomous/b"
 
 
+def test_until_fix_waits_for_one_that_navigation_takes():
+    """What it refuses as too far off tells nothing of where the next leg begins."""
+    up = leg("up", kind=Surface(until_fix=True), settings=(), timeout=300.0)
+    world = World(mission(leg("a", when("elapsed", ">", 5.0)), up, leg("b", timeout=LONG)))
+    assert world.start()
+    world.depth = 0.2
+    world.wait(60.0)
+    taken = world.nav.fix
+    world.nav.fix = lambda _: None
+    for _ in range(2):
+        world.tell(world.fix(north=0.2))
+        world.t += 1.0
+    assert world.state == "autonomous/up"
+    world.nav.fix = taken
+    world.tell(world.fix(north=0.3))
+    assert world.state == "autonomous/b"
+
+
 def test_a_surface_leg_for_a_time_stays_up_for_it():
     up = leg("up", kind=Surface(), settings=(), timeout=None, duration=90.0)
     world = World(mission(leg("a", when("elapsed", ">", 5.0)), up, leg("b", timeout=LONG)))

@@ -321,14 +321,24 @@ def test_while_a_leg_climbs_the_next_deadline_is_its_judging_or_the_surface():
     assert world.state == "autonomous/b"
 
 
-def test_from_an_ascent_that_was_given_up_deep_the_next_one_begins_anew():
+def test_an_ascent_that_was_given_up_deep_goes_on_in_the_next_leg():
+    """Begun anew with each leg it would say W again and again, which as built dives on."""
     up = leg("up", kind=Surface(), settings=(), timeout=7.0)
     world = flying(leg("a", timeout=None, duration=4.0), up, depth=20.0)
     world.until(111.5)
     assert world.state == "autonomous/surface"
-    assert world.commands().count(Order.SURFACE) == 2
-    world.until(121.5)
+    assert world.commands().count(Order.SURFACE) == 1
+    world.until(114.5)
     assert world.commands()[-1] == Setpoint(heave=-1.0)
+
+
+def test_an_ascent_behind_a_leg_that_dives_again_begins_anew():
+    up = leg("up", kind=Surface(), settings=(), timeout=None, duration=7.0)
+    again = leg("b", timeout=None, duration=4.0)
+    world = flying(leg("a", timeout=None, duration=4.0), up, again, depth=20.0)
+    world.until(116.5)
+    assert world.state == "autonomous/surface"
+    assert world.commands().count(Order.SURFACE) == 2
 
 
 def test_at_the_surface_a_leg_waits_for_its_time_alone():

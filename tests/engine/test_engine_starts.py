@@ -363,6 +363,29 @@ def test_a_mission_that_allows_it_still_does_not_start_far_from_home_where_that_
     assert world.state == IDLE_READY
 
 
+@pytest.mark.parametrize("age", [5.1, 59.0])
+def test_a_fix_of_the_last_minute_still_tells_that_home_is_far_and_where_it_begins(age: float):
+    for north, said in ((250.0, "250 m away"), (20.0, "")):
+        world = World(mission(leg("a"), start_without_fix=True))
+        world.tell(SetSafety(radius=200.0))
+        world.tell(world.fix(north=north))
+        world.t += age
+        world.tell(world.report())
+        assert said in refusal(world, StartMission())
+        assert world.state == ("autonomous/a" if not said else IDLE_READY)
+        assert world.nav.mode is NavigationMode.FIX
+
+
+def test_a_home_that_no_fix_has_told_of_is_as_near_as_the_mission_assumes_and_no_nearer():
+    for assumed, within in (((), 25.0), ((("start", 60.0),), 60.0)):
+        world = World(mission(leg("a"), start_without_fix=True, assume=assumed))
+        world.tell(world.fix(north=250.0))
+        world.t += 60.1
+        world.tell(world.report())
+        assert refusal(world, StartMission()) == ""
+        assert (world.nav.mode, world.nav.within) == (NavigationMode.DEAD_RECKONING, within)
+
+
 def test_a_start_in_an_emergency_or_without_a_mission_says_what_to_do():
     world = World()
     assert refusal(world, StartMission()) == "no mission is stored"

@@ -16,7 +16,7 @@ from mission.model import Estimate, NavigationMode, Position
 from mission.model.shipped import load_vehicle
 from mission.model.vehicle import Vehicle
 from mission.navigation import LocalFrame, Navigation
-from mission.navigation.distribution import PLANE_95, principal
+from mission.navigation.distribution import PLANE_95, around_95, principal
 from mission.navigation.geodesy import EARTH
 from mission.navigation.kalman import KalmanFilter
 from mission.navigation.model import CN, COMPASS, DEVIATION, SCALE
@@ -446,6 +446,35 @@ def test_a_start_without_a_fix_counts_from_the_start_and_a_fix_does_not_move_it(
     assert (after.north, after.east) == pytest.approx((before.north, before.east), abs=0.01)
     assert nav.frame is not None
     assert nav.frame.to_local(0.5, 2.0) == pytest.approx((after.north, after.east), abs=0.01)
+
+
+@pytest.mark.parametrize("off", [24.0, 60.0, 100.0, 600.0])
+def test_where_a_named_home_is_elsewhere_fixes_move_the_vehicle_and_teach_no_current(
+    vehicle: Vehicle, dive: list[Item], off: float
+) -> None:
+    """A start without a fix within 25 m of home, as the mission assumes; it is further off."""
+    nav = Navigation(vehicle)
+    reports = [item for item in dive[:150] if isinstance(item[1], Telemetry)]
+    feed(nav, reports[:2])
+    begun = reports[1][0].t
+    nav.start_here(begun, 25.0)
+    nav.set_origin(HOME, begun)
+    nav.assume_current(0.3)
+    start = nav.estimate(begun)
+    assert start is not None
+    assert around_95(start.covariance) == pytest.approx(25.0, rel=0.02)
+    feed(nav, reports[2:])
+    x, end = nav.core.filter.x, reports[-1][0].t
+    there = float(x[0]) + off, float(x[1])
+    assert nav.frame is not None
+    for second in range(3):
+        place = nav.frame.to_geodetic(there[0] + 0.1 * second, there[1])
+        nav.fix(Fix(end + second, *place, 2.5))
+    after = nav.estimate(end + 2.0)
+    assert after is not None
+    assert after.fix_age == 0.0
+    assert math.hypot(after.north - there[0], after.east - there[1]) < 4.0
+    assert math.hypot(after.current_north, after.current_east) < 0.12
 
 
 def test_without_the_compass_the_position_becomes_uncertain_soon(

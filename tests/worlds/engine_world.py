@@ -74,7 +74,8 @@ class Navigation:
     def set_origin(self, position: Position, now: float) -> None:
         self.frame = Frame(position)
 
-    def start_here(self, now: float) -> None:
+    def start_here(self, now: float, within: float = 0.0) -> None:
+        self.within = within
         self.frame = None
         self.mode = NavigationMode.DEAD_RECKONING
 

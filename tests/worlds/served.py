@@ -24,8 +24,9 @@ from mission.model.shipped import load_vehicle
 from mission.onboard.configuration import Configuration, LinkUrls
 from mission.onboard.kept import Homes
 from mission.onboard.serve.journal import AGAIN_S
+from mission.onboard.serve.listening import Ready
 from mission.onboard.serve.provision import Provision
-from mission.onboard.serve.serve import Ready, Server
+from mission.onboard.serve.serve import Server
 from mission.onboard.store import DiskStore, Store
 
 TEXT = """mission pool vehicle auv

@@ -266,7 +266,8 @@ class LegBounds:
         if self.ascends or not self.sinks:
             return 0.0, high
         if self.holds and self.depths:
-            return min(low, self._rises_to()) - OVERSHOOT, max(high, *self.depths) + OVERSHOOT
+            shallowest, deepest = self._rises_to() - OVERSHOOT, max(self.depths) + OVERSHOOT
+            return min(low, shallowest), max(high, deepest)
         if self.dives:
             return 0.0, max(high, deepest)
         if self.holds and s.depth is not None:
@@ -278,7 +279,7 @@ class LegBounds:
                 deepest = min(deepest, max(high, bound) + late)
         if self.holds and s.altitude is not None and deepest > self.assume.depth_without_floor:
             self.leans_on_floor = True
-            deepest = min(deepest, max(high, self.assume.floor - s.altitude) + OVERSHOOT)
+            deepest = min(deepest, max(high, self.assume.floor - s.altitude + OVERSHOOT))
         return 0.0, max(high, deepest)
 
     def blind(self, entry: Bounds) -> float:

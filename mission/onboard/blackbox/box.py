@@ -16,7 +16,7 @@ from pathlib import Path
 
 from mission.model import Record
 from mission.onboard.blackbox.form import LIMIT, NS, BlackBoxError, count, foot, head, pack
-from mission.onboard.blackbox.parts import part_path
+from mission.onboard.blackbox.parts import free, part_path
 from mission.onboard.runtime.records import START
 
 WAITING = 16 << 20  # bytes kept while the disk does not take them
@@ -28,15 +28,16 @@ class BlackBox:
 
     ``shell`` False: ``record`` writes by itself, in batches, never synced. True: ``record`` only
     keeps; the shell calls ``take`` in the same thread and gives what it got to ``store`` in
-    another, one at a time; the first ``store`` makes the file, and each tries again where that
-    failed. Raises BlackBoxError if the file cannot be made and there is no shell.
+    another, one at a time; the first ``store`` makes the file, by a name that is free then, and
+    each tries again where that failed.
+    Raises BlackBoxError if the file cannot be made and there is no shell.
     """
 
     def __init__(
         self, path: Path, wall: float = 0.0, limit: int = LIMIT, shell: bool = False
     ) -> None:
         self.path, self.failure, self.lost = path, "", 0
-        self._base, self._part, self._limit = path, 1, limit
+        self._base, self._wanted, self._part, self._limit = path, path, 1, limit
         self._wall, self._shell, self._logged = round(wall * NS), shell, 0
         self._pending, self._start, self._number = bytearray(), b"", 0
         self._unwritten = bytearray()
@@ -91,6 +92,8 @@ class BlackBox:
     def _open(self) -> None:
         try:
             self.path.parent.mkdir(parents=True, exist_ok=True)
+            if self._shell:
+                self.path = self._base = free(self._wanted)
             self.fd, self._size = _begin(self.path)
         except OSError as error:
             why = error.strerror or error

@@ -19,12 +19,16 @@ def file_name(wall: float) -> str:
 
 def new_path(folder: Path, wall: float) -> Path:
     """A name that is not taken: two starts within a second (or a clock set back) differ."""
-    path = folder / file_name(wall)
-    number = 1
-    while path.exists():
+    return free(folder / file_name(wall))
+
+
+def free(path: Path) -> Path:
+    """The same, or with a number behind its name, where that is taken."""
+    found, number = path, 1
+    while found.exists():
         number += 1
-        path = folder / file_name(wall).replace(".mcap", f"-{number}.mcap")
-    return path
+        found = path.with_name(f"{path.stem}-{number}{path.suffix}")
+    return found
 
 
 def part_path(base: Path, part: int) -> Path:

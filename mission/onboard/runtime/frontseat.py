@@ -118,6 +118,11 @@ class Frontseat:
         self._free = 0.0  # from when on the line may be used
 
     @property
+    def halfway(self) -> bool:
+        """Words of a set, or of an ascent, wait behind those that have left."""
+        return bool(self._urgent or self._queue)
+
+    @property
     def idle(self) -> bool:
         """Nothing waits to be sent or answered."""
         return self.said_all and self._outstanding is None and self._again is None

@@ -39,6 +39,7 @@ def _no_stick(held: Setpoint, word: bytes) -> Setpoint:
 class Repeater:
     """To the runtime the same as a ``Frontseat``."""
 
+    halfway = False
     gap = 0.0  # s: frames are delimited by their bytes
 
     def __init__(

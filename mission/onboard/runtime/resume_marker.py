@@ -36,9 +36,14 @@ class ResumeMarker:
     def next_timer(self) -> float | None:
         return self._due
 
-    def handle_timer(self, now: float, line_due: float | None = None) -> None:
+    def handle_timer(
+        self, now: float, line_due: float | None = None, halfway: bool = False
+    ) -> None:
         """``line_due``: when the line to the vehicle has a word; no disk stands before that."""
         if self._due is None or now < self._due or (line_due is not None and line_due <= now):
+            return
+        if halfway and line_due is not None:  # a set, or an ascent's two words: whole first
+            self._due = line_due
             return
         if self._kept != self._is and self._may_name(now):
             self._book(self._is, now)

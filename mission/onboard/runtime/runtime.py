@@ -162,7 +162,7 @@ class Runtime:
     def handle_timer(self, now: float) -> list[Tx]:
         self._now = now = max(self._now, now)
         self._record(rec.input_record, now, rec.TIMER)
-        self._marker.handle_timer(now, self._frontseat.next_timer())
+        self._marker.handle_timer(now, self._frontseat.next_timer(), self._frontseat.halfway)
         if (due := self._codec.next_timer()) is not None and due <= now:
             self._from_vehicle(self._codec.flush(now), now)
         for link, heard in self._gps.flush(now):

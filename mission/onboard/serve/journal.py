@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import json
 import os
+import traceback
 from collections import Counter
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
@@ -59,6 +60,12 @@ class Journal:
     def fault(self, text: str) -> None:
         """Always told."""
         self._write(f"{FAULT}: {text.rstrip()}")
+
+    def error(self, text: str, error: BaseException) -> None:
+        """A fault and where it is, without lines of the source: the card that has them may hang."""
+        places = traceback.walk_tb(error.__traceback__)
+        rows = (f"  {f.f_code.co_filename}:{line} {f.f_code.co_name}" for f, line in places)
+        self.fault("\n".join([text, *rows, f"{type(error).__name__}: {error}"]))
 
     def settle(self) -> None:
         """The counts whose minute is over; to be called now and then."""

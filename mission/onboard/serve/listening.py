@@ -6,8 +6,17 @@ What does not live here: what the options of such a URL may say (links).
 from __future__ import annotations
 
 import re
+from dataclasses import dataclass
 
 from links import parse_address
+
+
+@dataclass(frozen=True, slots=True)
+class Ready:
+    """Told once, when an operator can connect."""
+
+    topside: str  # tcp://host:port, the port as it really is
+    black_box: str  # path, "" if there is none
 
 
 def listening(url: str) -> str:

@@ -188,7 +188,9 @@ class Monitor:
             viewer.wish, viewer.greeted = _wish(said["wish"]), True
             viewer.before = self.past.rows[::-1] if viewer.wish.past == BEFORE else ()
             viewer.since = now
-        except (ValueError, TypeError, KeyError, OverflowError, RecursionError) as error:
+        except (
+            AttributeError, ValueError, TypeError, KeyError, OverflowError, RecursionError
+        ) as error:  # fmt: skip
             raise Unwelcome("it said what no viewer says") from error
 
     def silent(self, now: float) -> list[str]:

@@ -21,11 +21,16 @@ if TYPE_CHECKING:
 
 def prepare(runtime: Runtime) -> Navigation:
     with uncollected():
+        import _strptime  # type: ignore[import-not-found]  # noqa: F401  # of the first fix
+
         import mission.authoring.check
         import mission.authoring.language.assembly
         import mission.authoring.language.lines  # noqa: F401
+        from mission.navigation.declination import EPOCHS, table
 
         navigation = runtime.make_navigation()
+        for epoch in EPOCHS:
+            table(epoch)
         if runtime.state.startswith("idle"):  # no ascent waits for it
             judge_ahead(runtime)
         if not gc.get_freeze_count():  # a further runtime: its predecessor may be garbage by now

@@ -16,7 +16,7 @@ from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-from mission.onboard.blackbox import FLUSH_S, BlackBox, file_name, new_path
+from mission.onboard.blackbox import FLUSH_S, BlackBox, file_name
 from mission.onboard.serve import health
 from mission.onboard.serve.journal import Tally
 from mission.onboard.serve.provision import Provision
@@ -51,7 +51,7 @@ class Recording:
         makes this one: its first word waits for neither."""
         if self.box is not None:
             self._disk.submit(self.box.close)
-        self.box = BlackBox(_free_path(folder, wall), wall, shell=True)
+        self.box = BlackBox(folder / file_name(wall), wall, shell=True)
         self._disk.submit(self.box.store, b"")
         self.sinks.put("the black box", self.box)
 
@@ -92,7 +92,7 @@ class Recording:
     async def keep_working(self, got: Provision, heard: Callable[[], bool]) -> None:
         """The configuration, once it has worked; runs until then."""
         loop = asyncio.get_running_loop()
-        is_first = find(got.homes) is None
+        is_first = await loop.run_in_executor(self._disk, find, got.homes) is None
         while not (is_first or heard()):
             await asyncio.sleep(health.EVERY_S)
         try:
@@ -115,10 +115,3 @@ def _free(folder: Path) -> int | None:
         return shutil.disk_usage(folder).free
     except OSError:
         return None
-
-
-def _free_path(folder: Path, wall: float) -> Path:
-    try:
-        return new_path(folder, wall)
-    except OSError:  # a folder that cannot be looked into: making the file says why
-        return folder / file_name(wall)

@@ -17,9 +17,7 @@ from __future__ import annotations
 
 import asyncio
 import time
-import traceback
 from collections.abc import Callable, Coroutine
-from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
@@ -33,7 +31,13 @@ from mission.onboard.serve import health
 from mission.onboard.serve.alarm_watch import AlarmWatch
 from mission.onboard.serve.journal import Journal, Several
 from mission.onboard.serve.leaving import MARGIN_S, USUAL_S, Leaving
-from mission.onboard.serve.listening import listening, listening_to_viewers, open_to_all, reached_at
+from mission.onboard.serve.listening import (
+    Ready,
+    listening,
+    listening_to_viewers,
+    open_to_all,
+    reached_at,
+)
 from mission.onboard.serve.ports import Port
 from mission.onboard.serve.preload import judge_ahead, prepare
 from mission.onboard.serve.processes import Processes
@@ -51,14 +55,6 @@ NODE_OF = {VEHICLE: "STM32", GPS: "BDGPS", MODEM: "UACM"}
 FIRST_S = 1.0  # real time, that the first W of a restart waits for its port
 REBIRTH_S = 1.0  # real time, between a fault of the program and the next runtime
 EARLY_S = 0.002  # a timer that fires so much too early counts as in time
-
-
-@dataclass(frozen=True, slots=True)
-class Ready:
-    """Told once, when an operator can connect."""
-
-    topside: str  # tcp://host:port, the port as it really is
-    black_box: str  # path, "" if there is none
 
 
 class Server:
@@ -163,8 +159,8 @@ class Server:
                 wall=wall,
                 observer=self._observer,
             )
-        except Exception:
-            self._fault()
+        except Exception as error:
+            self._fault(error)
             return
         self._alarms.begin()
         self._ports[VEHICLE].keep_gaps(self._runtime.gap)
@@ -172,15 +168,16 @@ class Server:
             self._peers[name] = frozenset()
             self._meet(port)
         self._spawn(self._navigate(self._runtime))
+        for rx in self.validation.take_missed(self.now()):
+            self._hear(rx)
         self._schedule()
 
     async def _navigate(self, runtime: Runtime) -> None:
         """The import of the filter and the check takes a while: not in this thread."""
         try:
             navigation = await asyncio.to_thread(prepare, runtime)
-        except Exception:
-            self._journal.fault("navigation cannot be loaded, no mission can start:")
-            self._journal.fault(traceback.format_exc())
+        except Exception as error:
+            self._journal.error("navigation cannot be loaded, no mission can start:", error)
             return
         if runtime is self._runtime:
             self._do(lambda d: d.set_navigation(navigation, self.now()))
@@ -192,8 +189,8 @@ class Server:
             return
         try:
             out = call(self._runtime)
-        except Exception:
-            self._fault()
+        except Exception as error:
+            self._fault(error)
             return
         for tx in out:
             self._leave(tx)
@@ -202,10 +199,9 @@ class Server:
         self._watchdog.fed(time.monotonic())
         self._schedule()
 
-    def _fault(self) -> None:
+    def _fault(self, error: Exception) -> None:
         """Logs an error of the program itself; it never ends serve."""
-        self._journal.fault("a fault of the program; what was under way surfaces:")
-        self._journal.fault(traceback.format_exc())
+        self._journal.error("a fault of the program; what was under way surfaces:", error)
         self._runtime = None
         if self._timer is not None:
             self._timer.cancel()
@@ -222,6 +218,8 @@ class Server:
     # --- in ----------------------------------------------------------------------------------
 
     def _readable(self, port: Port) -> None:
+        if port.name != VEHICLE:  # behind a stall its reports have waited, too: they come first
+            self._readable(self._ports[VEHICLE])
         heard = [rx._replace(t=rx.t - self._zero) for rx in port.receive(self._up())]
         self._meet(port)
         if port.name == TOPSIDE:
@@ -234,6 +232,8 @@ class Server:
         self._part(port)
 
     def _hear(self, rx: Rx) -> None:
+        if self._runtime is None and rx.link in (TOPSIDE, MODEM):
+            self.validation.miss(rx)
         self._do(lambda runtime: runtime.receive(rx, self.now()))
         if self._runtime is not None and self._runtime.commander.knows(Peer(rx.link, rx.address)):
             self._ports[rx.link].vouch(rx.address)
@@ -310,6 +310,7 @@ class Server:
         for event, port in self._events():
             if event <= now:
                 self._readable(port)
+        self._readable(self._ports[VEHICLE])
         self._do(lambda runtime: runtime.handle_timer(now))
 
     # --- out ---------------------------------------------------------------------------------
@@ -379,9 +380,8 @@ class Server:
 
     def _ended(self, task: asyncio.Task[None]) -> None:
         self._tasks.discard(task)
-        if task.cancelled() or (error := task.exception()) is None:
-            return
-        self._journal.fault("".join(traceback.format_exception(error)))
+        if not task.cancelled() and (error := task.exception()) is not None:
+            self._journal.error("a task of the program has failed:", error)
 
     def _order_end(self, at_once: bool) -> None:
         self._do(lambda runtime: runtime.end(self.now(), at_once=at_once))

@@ -31,6 +31,7 @@ from mission.onboard.uncollected import uncollected
 from protocol.tolerances import Tolerances
 
 _TAIL = 1 - LONGEST  # where an X or W may begin that is not whole yet
+MISSED = 16  # X and W that wait for a runtime
 _Whose = tuple[str, str]  # link and address
 
 
@@ -45,6 +46,7 @@ class ValidationQueue:
         self._pass_on, self._spawn = pass_on, spawn
         self.held: dict[_Whose, list[Rx]] = {}
         self.gone: dict[_Whose, Callable[[], None]] = {}
+        self._missed: list[Rx] = []
 
     def hear(self, rx: Rx, runtime: Runtime) -> None:
         whose = rx.link, rx.address
@@ -67,6 +69,15 @@ class ValidationQueue:
         if runtime.engine.region != IDLE:
             for each in tuple(self.held):
                 self._let_go(each)
+
+    def miss(self, rx: Rx) -> None:
+        """Where there is no runtime: its X and W wait for the next one, the newest of them (R7)."""
+        orders = [rx._replace(data=BREAK + found[0]) for found in self._order.finditer(rx.data)]
+        self._missed = [*self._missed, *orders][-MISSED:]
+
+    def take_missed(self, now: float) -> list[Rx]:
+        missed, self._missed = self._missed, []
+        return [rx._replace(t=now) for rx in missed]
 
     def part(self, link: str, address: str, told: Callable[[], None]) -> None:
         """A connection is gone: ``told`` once all that it said has been heard."""

@@ -46,4 +46,5 @@ class Watchdog:
             contextlib.suppress(OSError),
             socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM | socket.SOCK_CLOEXEC) as out,
         ):
+            out.setblocking(False)  # who does not read it may have died
             out.sendto(state, address)

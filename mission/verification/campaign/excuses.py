@@ -31,6 +31,7 @@ from mission.verification.rig.acts import Act
 from mission.verification.rig.trace import Done, Event, Said, Told
 
 SLIGHT, SPARE = 1.0, 8.0  # N that may lift too slowly; N of lift that make a rise within a turn
+FEEBLE = 4.0  # N of lift: 0.13 m/s, once what sank has turned round
 NEVER = 1e5  # s: by then what ends is over
 _CONTRADICTS = 0.8  # m that a depth is off (R5)
 MOVES = 60.0  # s in which a depth shows that it moves as the vehicle does: two rounds of an ascent
@@ -113,8 +114,10 @@ def spoils_a_turn(dive: FaultEvent, events: Sequence[Event]) -> bool:
 
 
 def helpless(settings: Settings, profile: str, end: float) -> int:
-    """Seconds until ``end`` in which no command that the board obeys can lift the vehicle."""
-    return sum(lift(settings, profile, float(t)) < SLIGHT for t in range(int(end)))
+    """Seconds until ``end`` in which no command that the board obeys can lift the vehicle, or so
+    slowly that its turn does not show it (R7: 0.6 m less than the deepest of it), and it sinks
+    faster in the turns of the others."""
+    return sum(lift(settings, profile, float(t)) < FEEBLE for t in range(int(end)))
 
 
 def unknown(settings: Settings, t: float) -> bool:

@@ -66,9 +66,10 @@ def orders(
                     waits = None  # the surface is proved, and what is there is stopped
             case Said(data=data) if lives and (found := _ORDER.findall(data)):
                 waits, excused = (event, found[-1]), heard
-            case Done(act=Act.KILL | Act.STALL):
-                waits, leads, heard = None, False, False
-                lives = event.act is not Act.KILL and lives
+            case Done(act=Act.STALL):
+                waits = None
+            case Done(act=Act.KILL):
+                waits, leads, heard, lives = None, False, False, False
             case Done(act=Act.BOOT):
                 lives = True
             case Tx(link=link, data=data) if link == VEHICLE and waits is not None:

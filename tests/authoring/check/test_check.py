@@ -136,6 +136,20 @@ def test_a_depth_beyond_the_safety_depth_is_refused() -> None:
     assert "30 m" in found.refusals[0].message
 
 
+@pytest.mark.parametrize(
+    ("legs", "deepest"),
+    [("y: yoyo 1 shallow 2 deep 8 heading 0 gear 4 timeout 4min", 9.0),
+     ("d: depth 3 heading 0 gear 4 for 60s\n    b: altitude 5 heading 0 gear 4 for 60s", 11.0),
+     ("d: depth 8 heading 0 gear 4 for 60s", 9.0)],
+)  # fmt: skip
+def test_a_round_more_is_no_deeper(legs: str, deepest: float) -> None:
+    for rounds in (1, 6):
+        body = f"repeat {rounds} rows:\n    {legs}\nend\nup: surface timeout 3min\n"
+        found = report("assume floor 15\n" + body).proved
+        assert found is not None
+        assert found.max_depth == pytest.approx(deepest)
+
+
 def test_a_dive_by_gear_is_bounded_by_the_depth_that_ends_it() -> None:
     ended = report("a: ZAD8 until depth >= 20 timeout 5min\n")
     open_ended = report("a: ZAD8 until elapsed > 5min timeout 6min\n")

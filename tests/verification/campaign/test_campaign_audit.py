@@ -255,6 +255,18 @@ def test_a_w_said_again_as_the_turn_of_its_way_ends_leaves_no_more() -> None:
     assert held_back(*events, said(16.0, b"@ZAWF$")) == 1
 
 
+def test_a_w_that_has_left_in_its_turn_leaves_no_more_though_the_program_stood_still() -> None:
+    """As flight 19655 of seed 10621; one that was killed has forgotten it."""
+    heard = Step(
+        5.0, "", (), (), (SURFACING,), ("emergency surfacing: W", "surge 0 heave -1: W"), "W"
+    )
+    before = (said(5.0, b"@ZAWF$"), heard, sent(5.0, b"@ZAWF$"), sent(6.0, b"@ZAU12$"))
+    still = (Done(7.0, Act.STALL), Done(8.0, Act.RUN))
+    dead = (Done(7.0, Act.KILL), Done(8.0, Act.BOOT))
+    assert held_back(*before, *still, said(9.0, b"@ZAWF$")) == 0
+    assert held_back(*before, *dead, said(9.0, b"@ZAWF$")) == 1
+
+
 def test_that_a_w_was_to_leave_before_another_way_is_no_proof_that_it_did() -> None:
     heard = step(5.0, "emergency surfacing: W", "everything stopped: W", trigger="W")
     let_go = (said(5.0, b"@ZAWF$"), heard, sent(5.05, b"@ZAX0$"))

@@ -74,6 +74,14 @@ def test_what_no_word_lifts_that_the_board_obeys_is_physics(profile, faults, lif
     assert (helpless(body(*faults), profile, 20.0) == 0) is lifted
 
 
+@pytest.mark.parametrize(("heavy", "lifted"), [(54.0, True), (57.0, False), (58.0, False)])
+def test_what_thrust_lifts_so_slowly_that_no_turn_shows_it_is_physics(heavy, lifted):
+    """As flight 6215 of seed 10621: lifted by 2.6 N, it sinks ten times as fast in other turns."""
+    settings = body(f"heavy={heavy}")
+    assert lift(settings, "as-built", 20.0) > 1.0
+    assert (helpless(settings, "as-built", 20.0) == 0) is lifted
+
+
 def test_what_is_over_or_has_not_begun_excuses_nothing():
     settings = parse_settings(["fault=heavy=40@10+20", "fault=light=5@50+20"])
     assert [net(settings, t) for t in (5.0, 10.0, 29.9, 30.0, 60.0)] == [15, -25, -25, 15, 20]
