@@ -234,12 +234,12 @@ def _settle_home(core: Core, chart: Chart) -> str:
     if home is not None and not fresh and not mission.start_without_fix:
         return f"no fix for 5 s: how far home is cannot be told{_ALLOW}"
     within = mission.start_within(core.vehicle.sensors.fix)
-    known = fresh
-    if home is not None and vehicle_state.fix is not None:
-        known = core.now - vehicle_state.fix.t <= LATELY
-        if known and (why := too_far(_from(home, core), core.watch.bounds, within)):
+    known, fix = False, vehicle_state.fix
+    if home is not None and fix is not None and core.now - fix.t <= LATELY:
+        if why := too_far(_from(home, core), core.watch.bounds, within):
             return why
-    if home is None or not known:
+        known = vehicle_state.located(fix.t - FIX_AGE)
+    if not known:
         navigation.start_here(core.now, 0.0 if home is None else within)
     if home is not None:
         navigation.set_origin(home, core.now)

@@ -108,8 +108,7 @@ class Run:
         before, stopped = (None, False) if history else (self.ascent, self.at_surface)
         self._plan = self._planned(path)
         self.entered = self._reckoned = now
-        self.travelled, self.refused = 0.0, False
-        self.at_surface = False
+        self.travelled, self.refused, self.at_surface = 0.0, False, False
         self._blind, self._needed_by = {}, None
         self._memory.begin(self._plan.trends, again=history)
         if not history:
@@ -123,7 +122,7 @@ class Run:
                 return self._stay_up(before, stopped, why)
             self._pilot, self.sent = None, None
             if before is not None and not stopped:
-                return ()  # it goes on: begun anew, W again, it would dive on
+                return ()  # begun anew, W again, it would dive on
             vehicle_state.rising_since = now
             self.ascent = Ascent(
                 now,
@@ -252,7 +251,8 @@ class Run:
     def _ended(self, vehicle_state: VehicleState) -> bool:
         if self.ascent is not None:
             if self._plan.kind.awaits_fix(self.leg.kind):
-                return vehicle_state.located(max(self.ascent.began, self.entered - SURFACE_TIME))
+                since = max(self.ascent.began, self.entered - SURFACE_TIME)
+                return vehicle_state.fixed(since) and vehicle_state.located(since)
             return vehicle_state.surfaced(self.ascent.began)
         return self._pilot is not None and self._pilot.finished(self._view(vehicle_state))
 

@@ -367,10 +367,10 @@ class VehicleState:
         return self._fixed_at > since
 
     def located(self, since: float) -> bool:
-        """By such a fix, and by one that navigation has taken for true."""
+        """By a fix that navigation has taken for true."""
         found = self.estimate
-        used = found is None or (found.fix_age is not None and found.t - found.fix_age > since)
-        return used and self.fixed(since)
+        age = None if found is None else found.fix_age
+        return found is not None and age is not None and found.t - age > since
 
     def surface_due(self, since: float) -> float | None:
         if self._shallow_since is None or not self.lives:

@@ -7,6 +7,7 @@ date costs less than the compass's own error.
 
 from __future__ import annotations
 
+import copy
 import functools
 import math
 from typing import Any
@@ -20,11 +21,15 @@ EPOCHS = 2010, 2015, 2020, 2025  # the years of the tables
 def declination(latitude: float, longitude: float, date: str | None = None) -> float:
     """East positive, rad; ``date`` begins with YYYY-MM-DD (None or unreadable: 2026).
 
-    Near a magnetic pole the figure means little; the filter's bias has to carry the rest.
+    Near a magnetic pole the figure means little; the filter's bias has to carry the rest, and does
+    where the model's table cannot be read: 0.
     """
     year = min(max(decimal_year(date), _FIRST), _LAST - 0.01)
     epoch = int(_FIRST + 5 * ((year - _FIRST) // 5))
-    result = table(epoch).calculate(
+    if (read := table(epoch)) is None:
+        return 0.0
+    model = copy.deepcopy(read)  # it computes in place: another thread may do so, too
+    result = model.calculate(
         glat=math.degrees(latitude), glon=math.degrees(longitude), alt=0.0, time=year
     )
     return math.radians(result.d)
@@ -32,11 +37,15 @@ def declination(latitude: float, longitude: float, date: str | None = None) -> f
 
 @functools.cache
 def table(epoch: int) -> Any:
-    """Read once; ``serve`` has it read ahead, in a thread that may wait for the disk."""
+    """Read once; ``serve`` has it read ahead, in a thread that may wait for the disk. None where
+    it cannot be read."""
     from pygeomag import GeoMag
 
     made = GeoMag(coefficients_file=f"wmm/WMM_{epoch}.COF")
-    made.calculate(glat=0.0, glon=0.0, alt=0.0, time=float(epoch))  # reads its file
+    try:
+        made.calculate(glat=0.0, glon=0.0, alt=0.0, time=float(epoch))  # reads its file
+    except OSError:
+        return None
     return made
 
 

@@ -17,7 +17,7 @@ from __future__ import annotations
 
 import math
 import operator
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from mission.model.vehicle import Vehicle
@@ -44,24 +44,9 @@ _WAITING = 16  # the same, of sensors that were added
 _SKID = 0.3  # of the slip in a turn: how far it differs from turn to turn, after one rad
 _LOST_TIME, _LOST_GROWTH, _LOST_MOST = 20.0, 0.05, 1.8  # s; rad per s; rad: no compass
 
-_KEPT = (
-    # besides the filter and the speed
-    "t",
-    "located",
-    "last_fix",
-    "nis",
-    "fix_nis",
-    "depth_seen",
-    "altitude_seen",
-    "_motion",
-    "_driven_at",
-    "_rejected",
-    "_assumed",
-    "_pending",
-    "_used",
-    "_before",
-    "_added",
-    "_waiting",
+_KEPT = (  # besides the filter and the speed
+    *("t", "located", "last_fix", "nis", "fix_nis", "depth_seen", "altitude_seen", "_motion"),
+    *("_driven_at", "_rejected", "_assumed", "_pending", "_used", "_before", "_added", "_waiting"),
 )
 _kept = operator.attrgetter(*_KEPT)
 
@@ -85,7 +70,7 @@ class Reckoner:
         self._rejected: tuple[GroundFix, ...] = ()
         self._pending: tuple[GroundFix, ...] = ()  # velocities wait for the next report
         self._used: GroundFix | None = None
-        self._before: tuple[float, Any] | None = None  # when, and the filter then
+        self._before: tuple[float, Any, bool] | None = None  # when, the filter, whether assumed
         self._added: Mapping[str, Seen] = {}  # replaced, never written to
         self._waiting: tuple[Aiding, ...] = ()
 
@@ -263,7 +248,7 @@ class Reckoner:
         if self._repeats(f):
             return
         if self.last_fix is not None and f.t - self.last_fix >= _GAP:
-            self._before = f.t, self.filter.save()
+            self._before = f.t, self.filter.save(), self._assumed
         if not self.located:
             self.place(f.t, f.north, f.east, f.variance)
         elif not self._admit(f):
@@ -282,11 +267,8 @@ class Reckoner:
             self._rejected = (*self._rejected, f)[-_AGREEING:]
             if len(self._rejected) < _AGREEING or not agree(self._rejected):
                 return False
-            if not self._assumed:
-                self._open_gate(f)
-        if self._assumed:
-            dn, de, _ = self.filter.innovation(f.north, f.east, f.variance)
-            self.filter.loosen(dn * dn + de * de)
+            self._open_gate(f)
+        self._give_way(f)
         nis = self.filter.innovation(f.north, f.east, f.variance)[2]
         self.filter.fix(f.north, f.east, f.variance)
         self.nis, self.fix_nis = (nis, 2), nis
@@ -297,7 +279,7 @@ class Reckoner:
         the vehicle can have moved since."""
         if self._before is None or f.t - self._before[0] > _MEMORY:
             return False
-        (began, before), now = self._before, self.filter.save()
+        (began, before, assumed), now = self._before, self.filter.save()
         self.filter.load(before)
         if f.t > began:
             run = self.run(began, f.t)
@@ -305,7 +287,7 @@ class Reckoner:
             self.filter.loosen((run.expected * (f.t - began)) ** 2)  # by any way
         self.filter.load_vertical(now)  # of the depth no fix says anything
         if self.filter.innovation(f.north, f.east, f.variance)[2] <= GATE:
-            self._before = None
+            self._before, self._assumed = None, assumed
             return True
         self.filter.load(now)
         return False
@@ -316,17 +298,32 @@ class Reckoner:
         return self.last_fix is not None and self._driven_at < self.last_fix
 
     def _open_gate(self, f: GroundFix) -> None:
-        if self._goes_back(f):
+        if self._assumed or self._goes_back(f):
+            self._give_way(f)
             return
-        self._before = f.t, self.filter.save()
+        self._before = f.t, self.filter.save(), False
+        there = f.north, f.east, f.variance
+        if not self._widens_to(lambda: self.filter.innovation(*there)[2] < 3.0):
+            self._loosen_to(f)
+
+    def _give_way(self, f: GroundFix) -> None:
+        """Where its place is assumed, what the first fix says beside it is no current."""
+        if self._assumed:
+            self._loosen_to(f)
+        self._assumed = False
+
+    def _loosen_to(self, f: GroundFix) -> None:
+        dn, de, _ = self.filter.innovation(f.north, f.east, f.variance)
+        self.filter.loosen(dn * dn + de * de)
+
+    def _widens_to(self, fits: Callable[[], bool]) -> bool:
         factor = 1.0
         while factor < _WIDEST:
             self.filter.widen(1.5, still=self._still)
             factor *= 1.5
-            if self.filter.innovation(f.north, f.east, f.variance)[2] < 3.0:
-                return
-        dn, de, _ = self.filter.innovation(f.north, f.east, f.variance)
-        self.filter.loosen(dn * dn + de * de)
+            if fits():
+                return True
+        return False
 
     # --- sensors that were added -------------------------------------------------------------
 
@@ -352,13 +349,17 @@ class Reckoner:
 
     def _corrected(self, a: Aiding, run: Motion, seen: Seen) -> int:
         """How many in a row are beyond the gate, then."""
+        if a.kind == PLACE:
+            north, east = a.values
+            if self.filter.innovation(north, east, a.sigma**2)[2] <= GATE:
+                self._give_way(_as_fix(a))
         if correct(self.filter, a, run):
             self.located = self.located or a.kind == PLACE
             return 0
         if not seen._replace(refused=seen.refused + 1).insists(a):
             return seen.refused + 1
         if a.kind == PLACE:
-            self._open_gate(GroundFix(a.t, a.values[0], a.values[1], a.sigma * a.sigma, None))
+            self._open_gate(_as_fix(a))
         elif a.kind == RANGE:
             self._open_to(a, run)
         else:
@@ -367,13 +368,8 @@ class Reckoner:
 
     def _open_to(self, a: Aiding, run: Motion) -> None:
         """As the gate for fixes is; there is nothing to go back to."""
-        factor = 1.0
-        while factor < _WIDEST:
-            self.filter.widen(1.5, still=self._still)
-            factor *= 1.5
-            if fits(self.filter, a, run):
-                return
-        self.filter.loosen(float(innovation(self.filter, a, run).y[0]) ** 2)
+        if not self._widens_to(lambda: fits(self.filter, a, run)):
+            self.filter.loosen(float(innovation(self.filter, a, run).y[0]) ** 2)
 
     def _speeds(self, steady: bool) -> None:
         waiting, self._waiting = self._waiting, ()
@@ -397,3 +393,7 @@ class Reckoner:
             run = self.run(f.t, f.t)
             if f.velocity is not None and self._motion.heading is not None and run.lost == 0.0:
                 self.filter.velocity(*f.velocity, run)
+
+
+def _as_fix(place: Aiding) -> GroundFix:
+    return GroundFix(place.t, place.values[0], place.values[1], place.sigma**2, None)

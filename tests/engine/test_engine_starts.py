@@ -376,6 +376,18 @@ def test_a_fix_of_the_last_minute_still_tells_that_home_is_far_and_where_it_begi
         assert world.nav.mode is NavigationMode.FIX
 
 
+def test_a_fix_that_navigation_never_took_is_no_place_to_reckon_from():
+    """It came before navigation was loaded, or was refused: no limit could act by the estimate."""
+    for age in (1.0, 20.0):
+        world = World(mission(leg("a"), start_without_fix=True))
+        world.nav.fix = lambda _: None
+        world.tell(world.fix(north=1.0))
+        world.t += age
+        world.tell(world.report())
+        assert refusal(world, StartMission()) == ""
+        assert (world.nav.mode, world.nav.within) == (NavigationMode.DEAD_RECKONING, 25.0)
+
+
 def test_a_home_that_no_fix_has_told_of_is_as_near_as_the_mission_assumes_and_no_nearer():
     for assumed, within in (((), 25.0), ((("start", 60.0),), 60.0)):
         world = World(mission(leg("a"), start_without_fix=True, assume=assumed))

@@ -20,7 +20,7 @@ from mission.navigation.distribution import PLANE_95, around_95, principal
 from mission.navigation.geodesy import EARTH
 from mission.navigation.kalman import KalmanFilter
 from mission.navigation.model import CN, COMPASS, DEVIATION, SCALE
-from protocol.added import GROUND
+from protocol.added import GROUND, PLACE
 from protocol.messages import Aid, Fix, Telemetry
 
 Item = tuple[Truth, Telemetry | Fix]
@@ -448,32 +448,43 @@ def test_a_start_without_a_fix_counts_from_the_start_and_a_fix_does_not_move_it(
     assert nav.frame.to_local(0.5, 2.0) == pytest.approx((after.north, after.east), abs=0.01)
 
 
-@pytest.mark.parametrize("off", [24.0, 60.0, 100.0, 600.0])
+@pytest.mark.parametrize("off", [24.0, 60.0, 100.0, 200.0, 600.0])
+@pytest.mark.parametrize("how", ["fixes", "places", "a wild fix first"])
 def test_where_a_named_home_is_elsewhere_fixes_move_the_vehicle_and_teach_no_current(
-    vehicle: Vehicle, dive: list[Item], off: float
+    vehicle: Vehicle, dive: list[Item], how: str, off: float
 ) -> None:
     """A start without a fix within 25 m of home, as the mission assumes; it is further off."""
-    nav = Navigation(vehicle)
+    nav, alone = Navigation(vehicle), Navigation(vehicle)
     reports = [item for item in dive[:150] if isinstance(item[1], Telemetry)]
-    feed(nav, reports[:2])
-    begun = reports[1][0].t
-    nav.start_here(begun, 25.0)
-    nav.set_origin(HOME, begun)
-    nav.assume_current(0.3)
+    begun, end = reports[1][0].t, reports[-1][0].t
+    for each in (nav, alone):
+        feed(each, reports[:2])
+        if how == "a wild fix first":  # and one of before, behind which it goes back from that
+            each.fix(Fix(begun, 0.5, 2.0, 2.5))
+        each.start_here(begun, 25.0)
+        each.set_origin(HOME, begun)
+        each.assume_current(0.3)
     start = nav.estimate(begun)
     assert start is not None
     assert around_95(start.covariance) == pytest.approx(25.0, rel=0.02)
     feed(nav, reports[2:])
-    x, end = nav.core.filter.x, reports[-1][0].t
-    there = float(x[0]) + off, float(x[1])
+    feed(alone, reports[2:])
     assert nav.frame is not None
-    for second in range(3):
-        place = nav.frame.to_geodetic(there[0] + 0.1 * second, there[1])
-        nav.fix(Fix(end + second, *place, 2.5))
-    after = nav.estimate(end + 2.0)
+    for second in range(13):
+        for each in (nav, alone):
+            each.telemetry(reports[-1][1]._replace(t=end + 1.0 + second))
+        x = alone.core.filter.x
+        there = x[0] + off, x[1]  # as it reckons, without a current
+        wild = (-40.0, 30.0) if how == "a wild fix first" and second == 0 else (0.0, 0.0)
+        place = nav.frame.to_geodetic(float(there[0] + wild[0]), float(there[1] + wild[1]))
+        if how == "places":
+            nav.aid(Aid(end + 1.0 + second, PLACE, place))
+        else:
+            nav.fix(Fix(end + 1.0 + second, *place, 2.5))
+    after = nav.estimate(end + 13.0)
     assert after is not None
-    assert after.fix_age == 0.0
-    assert math.hypot(after.north - there[0], after.east - there[1]) < 4.0
+    assert after.fix_age == (None if how == "places" else 0.0)
+    assert math.hypot(after.north - there[0], after.east - there[1]) < 5.0
     assert math.hypot(after.current_north, after.current_east) < 0.12
 
 

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import linecache
+
 import pytest
 
 from mission.model import By, Evaluation, Step, Tx
-from mission.onboard.serve.journal import AGAIN_S, OF_A_KIND, REMEMBERED, Journal, printed
+from mission.onboard.serve.journal import AGAIN_S, DEEPEST, OF_A_KIND, REMEMBERED, Journal, printed
 
 
 class Desk:
@@ -33,6 +35,62 @@ def test_faults_are_always_told() -> None:
     for _ in range(3):
         desk.journal.fault("a bug")
     assert desk.lines == ["fault: a bug"] * 3
+
+
+def broken() -> None:
+    raise ZeroDivisionError("no depth")
+
+
+def test_an_error_is_told_with_its_place_and_kind_and_reads_no_source(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The card that has the source may hang."""
+
+    def hangs(*_: object) -> list[str]:
+        raise AssertionError("a source is read")
+
+    desk = Desk()
+    with monkeypatch.context() as patch:
+        patch.setattr(linecache, "getlines", hangs)
+        try:
+            broken()
+        except ZeroDivisionError as error:
+            desk.journal.error("a fault of the program:", error)
+    (told,) = desk.lines
+    begin, *_, place, kind = told.split("\n")
+    assert begin == "fault: a fault of the program:"
+    assert place == f"  {__file__}:{broken.__code__.co_firstlineno + 1} broken"
+    assert kind == "ZeroDivisionError: no depth"
+
+
+class Wordless(Exception):
+    def __str__(self) -> str:
+        raise ValueError("no words")
+
+
+def deep(n: int) -> None:
+    if n:
+        deep(n - 1)
+    raise Wordless
+
+
+def test_an_error_is_told_with_its_cause_and_is_no_error_of_the_journal() -> None:
+    desk = Desk()
+    try:
+        try:
+            broken()
+        except ZeroDivisionError as cause:
+            try:
+                deep(100)
+            except Wordless as error:
+                raise error from cause
+    except Wordless as error:
+        desk.journal.error("a fault of the program:", error)
+    rows = desk.lines[0].split("\n")
+    caused = rows.index("and behind that:")
+    assert rows[caused - 1] == "ZeroDivisionError: no depth"
+    assert rows[-1] == "Wordless"
+    assert len(rows) < 2 * DEEPEST + 5
 
 
 def test_ten_thousand_different_things_leave_no_memory_behind() -> None:

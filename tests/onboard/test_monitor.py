@@ -272,7 +272,7 @@ def test_who_does_not_read_for_20_s_is_sent_away_and_who_reads_stays() -> None:
 
 @pytest.mark.parametrize(
     "said",
-    [b"@ZAX0$\n", b"@AA$\n", b'{"stop": true}\n', b"[]\n", b"3\n", b"\xff\n", b'{"wish": 3}\n',
+    [b"@ZAX0$\n", b"@AA$\n", b'{"stop": true}\n', b"[]\n", b"3\n", b"\xff\n", b'{"wish": 3}\n', b'{"wish": []}\n',
      b'{"wish": {"go": 1}}\n', b'{"wish": {"values": [1]}}\n', b'{"wish": {"rate": "x"}}\n',
      b'{"wish": {"bytes": Infinity}}\n',
      b'{"ack": 99}\n', b"x" * 5000, b"[" * 4000 + b"\n"],

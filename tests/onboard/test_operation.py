@@ -38,6 +38,11 @@ def test_the_unit_is_watched_and_starts_serve_again_for_ever() -> None:
     assert " serve --config " in service["ExecStart"]
 
 
+def test_a_camera_that_is_killed_for_its_memory_ends_no_mission() -> None:
+    """It runs in the unit, and what the manager does by itself then is stop."""
+    assert unit()["Service"]["OOMPolicy"] == "continue"
+
+
 def test_the_service_manager_finds_no_fault_in_the_unit(tmp_path: Path) -> None:
     if shutil.which("systemd-analyze") is None:
         pytest.skip("systemd is not here")

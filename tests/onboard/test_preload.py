@@ -31,10 +31,32 @@ from mission.onboard.store import MemoryStore
 prepare(Runtime(Configuration(), load_vehicle("auv"), MemoryStore()))
 print(json.dumps(sorted(sys.modules)))
 """
+_FIRST_FIX = """
+import json, sys
+from datetime import datetime, timezone
+import mission.onboard.serve.serve
+from links.base import Rx
+from mission.model.shipped import load_vehicle
+from mission.onboard.configuration import Configuration
+from mission.onboard.runtime.runtime import Runtime
+from mission.onboard.serve.alarm_watch import clock_off
+from mission.onboard.serve.preload import prepare
+from mission.onboard.store import MemoryStore
+from protocol.nmea import encode_gga, encode_rmc
+utc = datetime(2026, 6, 1, 8, 0, 4, tzinfo=timezone.utc)
+said = encode_gga(utc, 0.5, 2.1) + encode_rmc(utc, 0.5, 2.1, speed=1.0, course=0.5)
+runtime = Runtime(Configuration(), load_vehicle("auv"), MemoryStore())
+runtime.set_navigation(prepare(runtime), 0.0)
+asked = []
+sys.addaudithook(lambda what, of: asked.append(f"{what} {of[0]}") if what in ("open", "import") else 0)
+runtime.receive(Rx(1.0, "gps", said))
+assert clock_off(runtime.situation.fix, 1.0, wall=0.0) is not None
+print(json.dumps(asked))
+"""
 
 
 def imported(program: str, *arguments: str) -> list[str]:
-    """The modules that a new interpreter has at the end of a program that prints them, as JSON."""
+    """What a new interpreter has at the end of a program that prints it, as JSON: its modules."""
     call = [sys.executable, "-c", program, *arguments]
     done = subprocess.run(call, check=True, capture_output=True, text=True)
     found: list[str] = json.loads(done.stdout.splitlines()[-1])
@@ -107,6 +129,11 @@ def test_a_start_of_serve_imports_the_filter_and_nothing_of_what_lies_beside_it(
     assert "mission.navigation.kalman" in found
     assert not [name for name in found if name.split(".")[0] in _UNUSED]
     assert len(found) < 800  # about 660; with all of filterpy 1700
+
+
+def test_a_first_fix_reads_no_file_and_imports_nothing() -> None:
+    """It comes in the loop, and the card may hang."""
+    assert imported(_FIRST_FIX) == []
 
 
 def test_a_page_of_help_imports_no_room_of_the_program() -> None:

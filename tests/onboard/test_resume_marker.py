@@ -241,3 +241,20 @@ def test_an_ascent_waits_for_no_write_that_is_due_already() -> None:
     assert marker.next_timer() == 15.9
     marker.handle_timer(15.9)
     assert store.content.under_way == "emergency/surfacing"
+
+
+@pytest.mark.parametrize("under_way", ["emergency/surfacing", OTHER])
+def test_a_write_waits_while_an_ascent_or_a_set_is_halfway_out_and_comes_when_it_is_whole(
+    under_way: str,
+) -> None:
+    store = Counting("manual/driving" if under_way != OTHER else LEG)
+    marker = ResumeMarker(store)
+    marker.follow(under_way, 7.0)
+    for now, line_due in ((7.0, 7.3), (7.3, 7.3), (7.3, 7.6)):
+        assert marker.next_timer() == now
+        marker.handle_timer(now, line_due, halfway=True)
+    assert store.asked == []
+    assert marker.next_timer() == 7.6
+    marker.handle_timer(7.6, 7.9, halfway=False)
+    assert store.asked == [under_way]
+    assert marker.next_timer() is None

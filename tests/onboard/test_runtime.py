@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Callable
 from dataclasses import replace
 from datetime import UTC, datetime
 
@@ -13,6 +14,7 @@ from hypothesis import strategies as st
 
 from links.base import Rx
 from links.simulated.link import START, SimulatedVehicle
+from links.simulated.settings import Settings as Sea
 from mission.analysis.replay.replay import replay
 from mission.authoring.language import parse, script
 from mission.engine.restart import STICK, UNANSWERED, UNSEEN
@@ -145,6 +147,17 @@ def test_a_stop_leaves_before_any_disk_is_asked() -> None:
     assert boat.store.content.under_way == "emergency/stopped"
 
 
+def test_no_disk_stands_before_a_stop_that_waits_for_the_line() -> None:
+    store = Slow(Stored(), lambda: boat.to_vehicle())
+    boat = Boat(store)
+    boat.say(b"@MMF5$")
+    boat.say(b"@ZAX0$")
+    assert boat.to_vehicle() == [b"@MMF5$"]
+    boat.until(1.0)
+    assert store.before == [[b"@MMF5$", b"@ZAX0$"]]
+    assert store.content.under_way == STOPPED
+
+
 class FullDisk(MemoryStore):
     """Nothing can be made durable while ``full``."""
 
@@ -228,27 +241,56 @@ def test_a_restart_under_way_surfaces_at_once(during: str) -> None:
 class Slow(MemoryStore):
     """Of each write of what is under way: the words that had left before it."""
 
-    def __init__(self, content: Stored, said: list[bytes]) -> None:
+    def __init__(self, content: Stored, said: Callable[[], list[bytes]]) -> None:
         super().__init__(content)
         self._said, self.before = said, list[list[bytes]]()
 
     def keep_under_way(self, what: str) -> None:
-        self.before.append(list(self._said))
+        self.before.append(list(self._said()))
         super().keep_under_way(what)
 
 
-@pytest.mark.parametrize("during", ["autonomous/a", "emergency/stopped", STICK, UNANSWERED])
+@pytest.mark.parametrize(
+    "during", ["autonomous/a", "manual/driving", "emergency/stopped", STICK, UNANSWERED]
+)
 def test_no_disk_stands_before_the_first_word_of_a_restart(during: str) -> None:
     said: list[bytes] = []
-    store = Slow(Stored(under_way=during), said)
+    store = Slow(Stored(under_way=during), lambda: said)
     runtime = Runtime(Configuration(), VEHICLE, store)
     now = 0.0
     while now < 8.0:
         said += [tx.data for tx in runtime.handle_timer(now)]
-        now = max(now, runtime.next_timer() or 9.0)
+        due = runtime.next_timer()
+        now = max(now, 9.0 if due is None else due)
     assert all(b"@ZAX0$" in before for before in store.before)
     if during == "autonomous/a":  # a way up as well, that a disk which hangs would hold up
         assert b"@ZAU12$" in store.before[0]
+
+
+def test_no_disk_stands_between_the_stop_of_an_ascent_and_its_way_up() -> None:
+    """A heavy vehicle that sinks in idle, where the marker of an ascent is due at once."""
+    store = Slow(Stored(), lambda: boat.to_vehicle())
+    boat = Boat(store)
+    body = replace(Sea().body, buoyancy=-4.0)
+    boat.sea = SimulatedVehicle("documented", 1, replace(Sea(), body=body))
+    boat.until(30.0)
+    assert store.content.under_way == SURFACING
+    assert store.before == [[b"@ZAX0$", b"@ZAU12$"]]
+
+
+def test_no_disk_stands_within_the_words_of_a_legs_set() -> None:
+    store = Slow(Stored(THREE), lambda: boat.to_vehicle())
+    boat = Boat(store)
+    boat.until(4.0)
+    boat.say(b"@AA$")
+    while boat.runtime.state != "autonomous/c":
+        boat.until(boat.now + 0.5)
+    boat.until(boat.now + 3.0)
+    reasons = [tx.reason for tx in boat.sent if tx.link == "vehicle"]
+    at_start, of_b, of_c = (reasons[: len(before)] for before in store.before)
+    assert at_start == []
+    assert of_b[-3:] == ["entry of b"] * 3
+    assert of_c[-3:] == ["entry of c"] * 3
 
 
 @pytest.fixture

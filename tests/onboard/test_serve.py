@@ -20,6 +20,7 @@ from served import (
     PATIENCE,
     Running,
     asked,
+    looked_into,
     provided,
     quiet,
     read_now,
@@ -33,10 +34,20 @@ from links.serial import SerialLink
 from mission.analysis.replay.replay import replay
 from mission.authoring.language import digest, script
 from mission.commands.serve import serve as command
+from mission.model import Record
 from mission.onboard.blackbox import read_parts
 from mission.onboard.configuration import Configuration, LinkUrls
 from mission.onboard.runtime.command_target import MissionRefused
-from mission.onboard.runtime.records import CONNECTED, DISCONNECTED, RX, STEP, TX, read_rx, read_tx
+from mission.onboard.runtime.records import (
+    CONNECTED,
+    DISCONNECTED,
+    RX,
+    STEP,
+    TIMER,
+    TX,
+    read_rx,
+    read_tx,
+)
 from mission.onboard.serve import ports
 from mission.onboard.serve.serve import Server
 from mission.onboard.store import MemoryStore, Stored
@@ -96,6 +107,67 @@ def test_garbage_on_every_link_stops_nothing(tmp_path: Path) -> None:
     assert pi.ready is not None
     heard = [read_rx(r) for r in read_parts(Path(pi.ready.black_box)) if r.kind == RX]
     assert {rx.link for rx in heard} == {"vehicle", "gps", "topside"}
+
+
+def recorded(pi: Running) -> list[Record]:
+    assert pi.ready is not None
+    return list(read_parts(Path(pi.ready.black_box)))
+
+
+def test_behind_a_stall_the_vehicle_is_heard_before_whoever_spoke_first(tmp_path: Path) -> None:
+    with (
+        silent_board() as (stm32, device),
+        silent_board() as (gps, other),
+        looked_into(device) as stm32_waits,
+        looked_into(other) as gps_waits,
+        running(tmp_path, f"serial://{device}", gps=f"serial://{other}") as pi,
+    ):
+
+        def links_of(data: bytes) -> list[str]:
+            heard = (read_rx(r) for r in recorded(pi) if r.kind == RX)
+            return [rx.link for rx in heard if data in rx.data]
+
+        def stall() -> None:
+            for master, it_waits in ((gps, gps_waits), (stm32, stm32_waits)):
+                os.write(master, b"late")
+                soon(it_waits, "its bytes")
+
+        for master in (stm32, gps):
+            os.write(master, b"early")
+        soon(lambda: set(links_of(b"early")) == {"gps", "vehicle"}, "both ports")
+        pi.call(stall)
+        soon(lambda: len(links_of(b"late")) == 2, "what has waited")
+        assert links_of(b"late") == ["vehicle", "gps"]
+
+
+def test_behind_a_stall_what_has_waited_is_heard_before_anything_that_is_due(
+    tmp_path: Path,
+) -> None:
+    """An answer of the board, before the word is said again."""
+    begun: list[float] = []
+    with (
+        silent_board() as (master, device),
+        looked_into(device) as it_waits,
+        running(tmp_path, f"serial://{device}", speed=60.0) as pi,
+        pi.boat() as boat,
+    ):
+
+        def stall() -> None:
+            assert pi.server is not None
+            begun.append(pi.server.now())
+            os.write(master, b"@ACK_ZAY$")
+            soon(it_waits, "its bytes")
+
+        def stall_when_a_word_is_due() -> None:
+            time.sleep(0.2)  # it is said again every 2 s, of which 60 pass in one
+            asyncio.get_running_loop().call_soon(stall)
+
+        boat.sendall(b"@ZAX0$")
+        soon(lambda: b"@ZAX0$" in read_now(master), "the stop")
+        pi.call(stall_when_a_word_is_due)
+        soon(lambda: any(b"@ACK_ZAY$" in r.payload for r in recorded(pi)), "the answer")
+    behind = (r for r in recorded(pi) if r.kind in (RX, TIMER) and r.t > begun[0])
+    assert next(behind).kind == RX
 
 
 def test_a_board_that_does_not_answer_is_asked_again_and_the_boat_still_served(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import itertools
 import json
 import os
@@ -30,18 +31,23 @@ from served import (
     soon,
 )
 
+from links.base import Rx
 from links.simulated.pty import PtyVehicle
 from mission.analysis.replay.replay import replay
 from mission.authoring.language import digest, script
 from mission.engine.restart import STOPS, UNANSWERED
-from mission.model import STOPPED, SURFACED, SURFACING
+from mission.model import STOPPED, SURFACED, SURFACING, Tx
 from mission.model.shipped import load_vehicle
 from mission.onboard.blackbox import BlackBox, read_parts
 from mission.onboard.configuration import Configuration
+from mission.onboard.kept import Homes
 from mission.onboard.runtime.records import RX, TX, read_rx, read_tx
 from mission.onboard.runtime.runtime import Runtime
 from mission.onboard.serve import ports
 from mission.onboard.serve import serve as shell
+from mission.onboard.serve.rate_limiter import BREAK
+from mission.onboard.serve.serve import Server
+from mission.onboard.serve.watchdog import Watchdog
 from mission.onboard.store import MemoryStore, Stored
 from mission.topside.console import converse
 from mission.topside.upload import start, status, upload
@@ -94,6 +100,33 @@ def test_the_first_word_of_a_restart_waits_for_no_card(
         assert replays(pi)
     told = [read_tx(r).data for r in read_parts(Path(pi.ready.black_box)) if r.kind == TX]
     assert b"@ZAU12$" in told
+
+
+def test_an_upward_word_of_a_restart_waits_for_no_card_that_has_what_worked(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    hangs, goes_on = threading.Event(), threading.Event()
+
+    def hang(_: Homes) -> None:
+        hangs.set()
+        assert goes_on.wait(PATIENCE)
+
+    monkeypatch.setattr("mission.onboard.serve.recording.find", hang)
+    store, heard = MemoryStore(Stored(under_way="autonomous/out")), bytearray()
+
+    def is_said() -> bool:
+        heard.extend(read_now(master))
+        return b"@ZAU12$" in heard
+
+    with (
+        silent_board() as (master, device),
+        running(tmp_path, f"serial://{device}", store=store, wait=False),
+    ):
+        try:
+            assert hangs.wait(PATIENCE)
+            soon(is_said, "an upward word", within=PATIENCE / 2)
+        finally:
+            goes_on.set()
 
 
 @contextmanager
@@ -247,17 +280,23 @@ def test_the_first_word_after_a_restart_is_not_lost_on_a_port_that_is_about_to_o
     assert not pi.has_told("NOT SENT")
 
 
-def test_a_fault_of_the_program_begins_another_drive_that_surfaces(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+@pytest.fixture
+def boom(monkeypatch: pytest.MonkeyPatch) -> bytes:
+    """What a bug of the program does not bear."""
     really = Runtime.receive
 
-    def receive(runtime: Runtime, rx: object, now: float | None = None) -> object:
-        if b"boom" in rx.data:  # type: ignore[attr-defined]
+    def receive(runtime: Runtime, rx: Rx, now: float | None = None) -> list[Tx]:
+        if b"boom" in rx.data:
             raise ZeroDivisionError("a bug")
-        return really(runtime, rx, now)  # type: ignore[arg-type]
+        return really(runtime, rx, now)
 
     monkeypatch.setattr(Runtime, "receive", receive)
+    return b"boom"
+
+
+def test_a_fault_of_the_program_begins_another_drive_that_surfaces(
+    boom: bytes, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr(shell, "REBIRTH_S", 0.1)
     with (
         silent_board() as (_, device),
@@ -265,11 +304,72 @@ def test_a_fault_of_the_program_begins_another_drive_that_surfaces(
         pi.boat() as boat,
     ):
         assert asked(boat, b"@AQ$").startswith(b"@AR,")
-        boat.sendall(b"boom")
-        soon(lambda: pi.has_told("a bug"), "the fault")
+        boat.sendall(boom)
+        soon(lambda: pi.has_told("ZeroDivisionError: a bug"), "the fault")
+        assert not pi.has_told("raise ZeroDivisionError"), "the card that has the source may hang"
         soon(lambda: len(list((tmp_path / "log").glob("*"))) == 2, "another black box")
         assert asked(boat, b"@AQ$").startswith(b"@AR,")
     assert all(replay(list(read_parts(p))).identical for p in (tmp_path / "log").glob("*"))
+
+
+class Patient(Server):
+    """Behind a fault of the program it waits for a word of topside before it begins again."""
+
+    _said = asyncio.Event()
+
+    async def _begin_again(self) -> None:
+        self._said = asyncio.Event()
+        await self._said.wait()
+        await super()._begin_again()
+
+    def _hear(self, rx: Rx) -> None:
+        super()._hear(rx)
+        if rx.link == "topside":
+            self._said.set()
+
+
+@pytest.mark.replaces
+@pytest.mark.parametrize(
+    ("during", "order", "others"),
+    [("autonomous/out", b"@ZAX0$", set()), (STOPPED, b"@ZAWF$", {b"@ZAX0$", b"@ZAU12$"})],
+)
+def test_an_order_between_a_fault_of_the_program_and_the_next_runtime_is_obeyed_by_that(
+    boom: bytes, during: str, order: bytes, others: set[bytes], tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:  # fmt: skip
+    monkeypatch.setattr("served.Server", Patient)
+    monkeypatch.setattr(shell, "REBIRTH_S", 0.0)
+    store = MemoryStore(Stored(under_way=during))
+    with simulated(1.0) as sea:
+        stm32, _ = (f"serial://{path}" for path in sea.paths)
+        with running(tmp_path, stm32, store=store) as pi, pi.boat() as boat:
+            boat.sendall(boom)
+            soon(lambda: pi.has_told("a fault of the program"), "the fault")
+            answer = asked(boat, b"@AQ$" + order + b"@MMF5$")
+            assert answer.startswith(b"@ACK_Z" + order[3:4])
+            assert pi.ready is not None
+    (path,) = set((tmp_path / "log").glob("*.mcap")) - {Path(pi.ready.black_box)}
+    records = list(read_parts(path))
+    heard = [rx.data for r in records if r.kind == RX and (rx := read_rx(r)).link == "topside"]
+    said = {tx.data for r in records if r.kind == TX and (tx := read_tx(r)).link == "vehicle"}
+    assert heard == [BREAK + order]
+    assert said - others == {order}
+    assert replay(records).identical
+
+
+def test_whoever_says_an_order_to_no_runtime_and_hangs_up_commands_no_more(
+    boom: bytes, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("served.Server", Patient)
+    monkeypatch.setattr(shell, "REBIRTH_S", 0.3)
+    with silent_board() as (_, device), running(tmp_path, f"serial://{device}") as pi:
+        with pi.boat() as boat:
+            boat.sendall(boom)
+            soon(lambda: pi.has_told("a fault of the program"), "the fault")
+            boat.sendall(b"@ZAX0$")
+        soon(lambda: pi.has_told("emergency/stopped"), "the order is obeyed")
+        with pi.boat() as other:
+            assert asked(other, b"@NSOOCCCO$") == b"@ACK_NSS$"
 
 
 def test_behind_a_fault_of_the_program_orders_do_not_wait_for_the_disk_nor_does_it_lose_a_record(
@@ -365,6 +465,42 @@ def test_systemd_hears_ready_and_the_steps_of_the_drive(
             heard.append(manager.recv(100))
     assert b"READY=1" in heard
     assert heard.count(b"WATCHDOG=1") >= 4
+
+
+def test_a_service_manager_that_reads_nothing_holds_nobody_up(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It may have died."""
+    monkeypatch.setenv("NOTIFY_SOCKET", str(tmp_path / "notify"))
+    watchdog = Watchdog()
+
+    def notify() -> None:
+        for _ in range(2000):  # more than wait anywhere
+            watchdog.ready()
+
+    with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as manager:
+        manager.bind(str(tmp_path / "notify"))
+        at_work = threading.Thread(target=notify)
+        at_work.start()
+        at_work.join(PATIENCE)
+        assert not at_work.is_alive()
+        assert manager.recv(100) == b"READY=1"
+
+
+def test_that_it_is_ready_is_said_until_the_service_manager_takes_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("NOTIFY_SOCKET", str(tmp_path / "notify"))
+    monkeypatch.setenv("WATCHDOG_USEC", "3000000")
+    watchdog = Watchdog()
+    watchdog.ready()  # nobody is there
+    watchdog.fed(1.0)
+    with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as manager:
+        manager.bind(str(tmp_path / "notify"))
+        watchdog.fed(3.0)
+        watchdog.fed(5.0)
+        assert manager.recv(100) == b"READY=1\nWATCHDOG=1"
+        assert manager.recv(100) == b"WATCHDOG=1"
 
 
 @pytest.mark.proof

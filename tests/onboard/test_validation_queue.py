@@ -18,7 +18,8 @@ from mission.model.vehicle import Vehicle
 from mission.onboard.blackbox import read_parts
 from mission.onboard.runtime import mission_validator
 from mission.onboard.runtime.runtime import Runtime
-from mission.onboard.serve.validation_queue import ValidationQueue
+from mission.onboard.serve.rate_limiter import BREAK
+from mission.onboard.serve.validation_queue import MISSED, ValidationQueue
 from protocol.messages import MissionLine
 from protocol.topside import encode
 
@@ -201,3 +202,38 @@ def test_a_verdict_lets_go_only_what_was_held_for_it(judging: Pi) -> None:
     assert judging.heard() == []
     asyncio.run(judging.jobs[1])
     assert judging.heard() == [(0.2, b"@AW again")]
+
+
+def test_of_what_comes_while_there_is_no_runtime_its_orders_alone_wait_for_the_next_one() -> None:
+    queue = Pi().queue
+    queue.miss(Rx(1.0, "topside", b"@AA$@ZAX0$@MMF5$", "a:1"))
+    queue.miss(Rx(1.1, "modem", b"#\x02\x0c\x00\x01@AQ$@ZAWF$"))
+    queue.miss(Rx(1.2, "topside", b"@AC$", "b:2"))
+    assert queue.take_missed(0.5) == [
+        Rx(0.5, "topside", BREAK + b"@ZAX0$", "a:1"),
+        Rx(0.5, "modem", BREAK + b"@ZAWF$"),
+    ]
+    assert queue.take_missed(0.6) == [], "they are heard once"
+
+
+def test_an_order_in_two_reads_is_one_while_there_is_no_runtime_and_as_that_begins() -> None:
+    queue = Pi().queue
+    for data in (b"@AA$@ZA", b"X0$@AC$", b"@NI$@Z"):
+        queue.miss(Rx(1.0, "topside", data, "a:1"))
+    queue.miss(Rx(1.0, "topside", b"no order, and no frame", "b:2"))
+    assert queue.take_missed(0.5) == [
+        Rx(0.5, "topside", BREAK + b"@ZAX0$", "a:1"),
+        Rx(0.5, "topside", b"@Z", "a:1"),
+    ]
+    assert queue.take_missed(0.6) == []
+
+
+def test_of_many_orders_while_there_is_no_runtime_the_newest_wait() -> None:
+    queue = Pi().queue
+    for i in range(MISSED + 5):
+        queue.miss(Rx(1.0, "topside", b"@ZAX0$", f"a:{i}"))
+    queue.miss(Rx(1.0, "topside", b"@ZAX0$" * (MISSED - 1) + b"@ZAWF$", "b:2"))
+    kept = queue.take_missed(0.5)
+    assert len(kept) == MISSED == 16
+    assert {rx.address for rx in kept} == {"b:2"}
+    assert kept[-1].data == BREAK + b"@ZAWF$"

@@ -23,6 +23,7 @@ from tests.sea import (
     slaves,
     storms,
     trials,
+    unplaced,
     wrecks,
 )
 from tests.sea.scene import Scene
@@ -47,4 +48,11 @@ SCENES: tuple[Scene, ...] = (
 )
 
 # Flown by `make check`; draws are from the scenes above.
-PAIRS = (*pairs.SCENES, *leftovers.SCENES, *afloat.SCENES, *aids.SCENES, *overlooked.SCENES)
+PAIRS = (
+    *pairs.SCENES,
+    *leftovers.SCENES,
+    *afloat.SCENES,
+    *aids.SCENES,
+    *overlooked.SCENES,
+    *unplaced.SCENES,
+)

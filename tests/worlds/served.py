@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import os
+import select
 import socket
 import subprocess
 import threading
@@ -142,10 +143,14 @@ class Running:
         told = sum(words in line for line in self.told)
         return 1 <= told <= 2 * things * minutes
 
+    def call(self, what: Callable[[], object]) -> None:
+        """In its loop."""
+        self._loop.call_soon_threadsafe(what)
+
     def tell_to_end(self) -> None:
         """As by SIGTERM."""
         if self.server is not None and self.thread.is_alive():
-            self._loop.call_soon_threadsafe(self.server.stop)
+            self.call(self.server.stop)
 
     def stop(self) -> None:
         self.tell_to_end()
@@ -173,6 +178,16 @@ def silent_board() -> Iterator[tuple[int, str]]:
     finally:
         os.close(master)
         os.close(slave)
+
+
+@contextmanager
+def looked_into(device: str) -> Iterator[Callable[[], bool]]:
+    """Whether bytes wait in a port that somebody else reads."""
+    port = os.open(device, os.O_RDONLY | os.O_NOCTTY | os.O_NONBLOCK)
+    try:
+        yield lambda: bool(select.select([port], [], [], 0)[0])
+    finally:
+        os.close(port)
 
 
 def read_now(master: int) -> bytes:

@@ -15,8 +15,8 @@ from __future__ import annotations
 import json
 import os
 import traceback
-from collections import Counter
-from collections.abc import Callable, Iterable
+from collections import Counter, deque
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from datetime import UTC, datetime
 
@@ -31,6 +31,7 @@ LEVELS = {INFO: 6, WARNING: 4, FAULT: 3}  # syslog's numbers
 AGAIN_S = 60.0
 OF_A_KIND = 20  # different things that are told within ``AGAIN_S``
 REMEMBERED = 512
+DEEPEST = 30  # places of an error that are told
 _COMMAND = "to the vehicle\0"  # keys of what the vehicle was sent begin so
 
 
@@ -63,9 +64,7 @@ class Journal:
 
     def error(self, text: str, error: BaseException) -> None:
         """A fault and where it is, without lines of the source: the card that has them may hang."""
-        places = traceback.walk_tb(error.__traceback__)
-        rows = (f"  {f.f_code.co_filename}:{line} {f.f_code.co_name}" for f, line in places)
-        self.fault("\n".join([text, *rows, f"{type(error).__name__}: {error}"]))
+        self.fault("\n".join([text, *_places_of(error)]))
 
     def settle(self) -> None:
         """The counts whose minute is over; to be called now and then."""
@@ -197,3 +196,16 @@ def printed(line: str, wall: float) -> str:
         return "\n".join(f"<{LEVELS[level]}>{row}" for row in text.split("\n"))
     stamp = datetime.fromtimestamp(wall, UTC).strftime("%Y-%m-%dT%H:%M:%SZ")
     return f"{stamp} {level:7} {text}"
+
+
+def _places_of(error: BaseException) -> Iterator[str]:
+    """Where it was raised, innermost last, and what it is; what caused it first."""
+    if (cause := error.__cause__ or error.__context__) is not None:
+        yield from _places_of(cause)
+        yield "and behind that:"
+    for frame, line in deque(traceback.walk_tb(error.__traceback__), DEEPEST):
+        yield f"  {frame.f_code.co_filename}:{line} {frame.f_code.co_name}"
+    try:
+        yield f"{type(error).__name__}: {error}"
+    except Exception:
+        yield type(error).__name__

@@ -120,7 +120,8 @@ class Server:
             self._spawn(self.viewing.keep())
         self._spawn(self._recording.keep_box())
         self._spawn(self._recording.keep_status(self._configuration.folder, self._health))
-        self._spawn(self._recording.keep_working(self._got, self._is_heard))
+        board = self._ports[VEHICLE]
+        self._spawn(self._recording.keep_working(self._got, lambda: board.heard is not None))
         self._watchdog.ready()  # the runtime lives, whether or not topside can be listened to
         await self._leaving.ordered.wait()
         await self._end()
@@ -128,9 +129,6 @@ class Server:
     def stop(self) -> None:
         """The first time in order: up first (leaving)."""
         self._leaving.signal()
-
-    def _is_heard(self) -> bool:
-        return self._ports[VEHICLE].heard is not None
 
     def hang_up(self) -> None:
         self._tell("the terminal that serve was started from is gone; serve goes on")
@@ -170,6 +168,8 @@ class Server:
         self._spawn(self._navigate(self._runtime))
         for rx in self.validation.take_missed(self.now()):
             self._hear(rx)
+            if rx.address not in self._ports[rx.link].peers:  # it has gone meanwhile
+                self._disconnect(rx.link, rx.address)
         self._schedule()
 
     async def _navigate(self, runtime: Runtime) -> None:
@@ -217,10 +217,10 @@ class Server:
 
     # --- in ----------------------------------------------------------------------------------
 
-    def _readable(self, port: Port) -> None:
+    def _readable(self, port: Port, due: float = 0.0) -> None:
         if port.name != VEHICLE:  # behind a stall its reports have waited, too: they come first
             self._readable(self._ports[VEHICLE])
-        heard = [rx._replace(t=rx.t - self._zero) for rx in port.receive(self._up())]
+        heard = [rx._replace(t=rx.t - self._zero) for rx in port.receive(max(self._up(), due))]
         self._meet(port)
         if port.name == TOPSIDE:
             heard = self._sifted(port, heard)
@@ -288,7 +288,7 @@ class Server:
         if self._timer is not None:
             self._timer.cancel()
             self._timer = None
-        dues = [event for event, _ in self._events()]
+        dues = [event - self._zero for event, _ in self._events()]
         if self._runtime is not None and (timer := self._runtime.next_timer()) is not None:
             dues.append(timer)
         due = min(dues, default=float("inf"))
@@ -300,7 +300,7 @@ class Server:
     def _events(self) -> list[tuple[float, Port]]:
         """When each port is to be looked at though nothing comes."""
         events = ((port.next_event(), port) for port in self._ports.values())
-        return [(event - self._zero, port) for event, port in events if event is not None]
+        return [(event, port) for event, port in events if event is not None]
 
     def _due(self, due: float) -> None:
         self._timer = None
@@ -308,8 +308,8 @@ class Server:
         if now < due <= now + EARLY_S * self._speed:
             now = due
         for event, port in self._events():
-            if event <= now:
-                self._readable(port)
+            if event - self._zero <= now:
+                self._readable(port, event)
         self._readable(self._ports[VEHICLE])
         self._do(lambda runtime: runtime.handle_timer(now))
 

@@ -47,6 +47,7 @@ class ValidationQueue:
         self.held: dict[_Whose, list[Rx]] = {}
         self.gone: dict[_Whose, Callable[[], None]] = {}
         self._missed: list[Rx] = []
+        self._begun: dict[_Whose, Rx] = {}  # what may be the begin of one
 
     def hear(self, rx: Rx, runtime: Runtime) -> None:
         whose = rx.link, rx.address
@@ -72,12 +73,21 @@ class ValidationQueue:
 
     def miss(self, rx: Rx) -> None:
         """Where there is no runtime: its X and W wait for the next one, the newest of them (R7)."""
-        orders = [rx._replace(data=BREAK + found[0]) for found in self._order.finditer(rx.data)]
+        begun = self._begun.get((rx.link, rx.address))
+        heard = (begun.data if begun else b"") + rx.data
+        orders, end = [], 0
+        for found in self._order.finditer(heard):
+            orders.append(rx._replace(data=BREAK + found[0]))
+            end = found.end()
         self._missed = [*self._missed, *orders][-MISSED:]
+        last = heard[max(end, len(heard) + _TAIL, heard.rfind(b"$") + 1) :]
+        self._begun[rx.link, rx.address] = rx._replace(data=last if b"@" in last else b"")
 
     def take_missed(self, now: float) -> list[Rx]:
-        missed, self._missed = self._missed, []
-        return [rx._replace(t=now) for rx in missed]
+        """And what may go on as one."""
+        missed, self._missed = [*self._missed, *self._begun.values()], []
+        self._begun.clear()
+        return [rx._replace(t=now) for rx in missed if rx.data]
 
     def part(self, link: str, address: str, told: Callable[[], None]) -> None:
         """A connection is gone: ``told`` once all that it said has been heard."""

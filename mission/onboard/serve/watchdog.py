@@ -19,10 +19,11 @@ class Watchdog:
         self._address = os.environ.get("NOTIFY_SOCKET", "")
         period = os.environ.get("WATCHDOG_USEC", "") if self._address else ""
         self._every = int(period) / 3e6 if period.isdigit() and int(period) else float("inf")
-        self._last = float("-inf")
+        self._last, self._owed = float("-inf"), b""
 
     def ready(self) -> None:
-        self._notify(b"READY=1")
+        """Said with the next sign of life as well, where nobody takes it."""
+        self._owed = b"" if self._notify(b"READY=1") else b"READY=1\n"
 
     def stopping(self) -> None:
         self._notify(b"STOPPING=1")
@@ -30,7 +31,8 @@ class Watchdog:
     def fed(self, monotonic: float) -> None:
         if monotonic - self._last >= self._every / 2:
             self._last = monotonic
-            self._notify(b"WATCHDOG=1")
+            if self._notify(self._owed + b"WATCHDOG=1"):
+                self._owed = b""
 
     def remaining(self, monotonic: float) -> float:
         """s until the runtime must have made a step, inf without a watchdog."""
@@ -38,9 +40,10 @@ class Watchdog:
             return self._every
         return max(0.0, self._last + self._every - monotonic)
 
-    def _notify(self, state: bytes) -> None:
+    def _notify(self, state: bytes) -> bool:
+        """Whether it was taken."""
         if not self._address:
-            return
+            return True
         address = "\0" + self._address[1:] if self._address[0] == "@" else self._address
         with (
             contextlib.suppress(OSError),
@@ -48,3 +51,5 @@ class Watchdog:
         ):
             out.setblocking(False)  # who does not read it may have died
             out.sendto(state, address)
+            return True
+        return False
