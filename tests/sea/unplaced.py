@@ -37,7 +37,7 @@ IN_A_ROW = """
     up: surface until fix timeout 5min
 """
 NAMED = "the first fix tells where it is: that is no current, and home is found by it"
-AFAR = "beyond the radius, which the first fix tells: it stays up"
+AFAR = "beyond the radius, which the first fix tells: it comes up at once"
 GOES_ON = "one ascent goes on from leg to leg, where W by itself does not stick"
 
 
@@ -67,9 +67,9 @@ def near(metres: float) -> Law:
 
 
 def stays_up(world: World) -> str:
-    """Behind the first fix it does not dive again."""
+    """Behind the first fix it goes no leg further: the limit acts as the next one begins."""
     behind = [s.depth for s in world.samples if s.at > world.marks.get("up", math.inf)]
-    return "" if behind and max(behind) < 1.5 else "it dived again, beyond the radius"
+    return "" if behind and max(behind) < 3.0 else "it goes on, beyond the radius"
 
 
 def in_a_row(world: World) -> Steps:
