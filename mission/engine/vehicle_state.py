@@ -45,6 +45,7 @@ WRONG_FOR = 20.0  # s that a depth may have been wrong and was believed (R5)
 _NEAR = 1.0  # m: a report before the surface's 0.5 m, on the way up
 _TRAVELS = 1.0  # m between two means of _SWELL, by a depth whose zero is wrong: no surface
 _SWELL = 15.0  # s: waves even out
+_SAME = 1e-6  # s
 
 
 class VehicleState:
@@ -69,6 +70,7 @@ class VehicleState:
         self.fixes: tuple[Fix, ...] = ()  # the last five, not stale nor too deep, oldest first
         self.receiver = Receiver()
         self._fixed_at = -math.inf  # of the last one that proves the surface
+        self._taken_at = -math.inf  # of the last one that navigation has taken
         self._received_at = -math.inf  # of the last news that is not the vehicle's own
         self.estimate: Estimate | None = None
         self.attitude = Attitude()
@@ -224,7 +226,9 @@ class VehicleState:
             self.fixes = (*self.fixes[1 - HOME_OF :], told)
         if self.navigation:
             self.navigation.fix(fix)
-            self.estimate = self.navigation.estimate(fix.t)
+            found = self.estimate = self.navigation.estimate(fix.t)
+            if found and found.fix_age is not None and abs(found.t - found.fix_age - fix.t) < _SAME:
+                self._taken_at = fix.t
 
     def take_aid(self, aid: Aid) -> None:
         """It helps the estimate, and is no fix: it proves no surface, and starts no mission."""
@@ -368,9 +372,7 @@ class VehicleState:
 
     def located(self, since: float) -> bool:
         """By a fix that navigation has taken for true."""
-        found = self.estimate
-        age = None if found is None else found.fix_age
-        return found is not None and age is not None and found.t - age > since
+        return self._taken_at > since
 
     def surface_due(self, since: float) -> float | None:
         if self._shallow_since is None or not self.lives:

@@ -17,18 +17,23 @@ _UNDATED = 2026.0
 EPOCHS = 2010, 2015, 2020, 2025  # the years of the tables
 
 
-@functools.lru_cache(maxsize=16)
 def declination(latitude: float, longitude: float, date: str | None = None) -> float:
     """East positive, rad; ``date`` begins with YYYY-MM-DD (None or unreadable: 2026).
 
     Near a magnetic pole the figure means little; the filter's bias has to carry the rest, and does
     where the model's table cannot be read: 0.
     """
-    year = min(max(decimal_year(date), _FIRST), _LAST - 0.01)
-    epoch = int(_FIRST + 5 * ((year - _FIRST) // 5))
-    if (read := table(epoch)) is None:
+    try:
+        return of_model(latitude, longitude, decimal_year(date))
+    except OSError:
         return 0.0
-    model = copy.deepcopy(read)  # it computes in place: another thread may do so, too
+
+
+@functools.lru_cache(maxsize=16)
+def of_model(latitude: float, longitude: float, date: float) -> float:
+    year = min(max(date, _FIRST), _LAST - 0.01)
+    # a copy: it computes in place, and another thread may do so, too
+    model = copy.deepcopy(table(int(_FIRST + 5 * ((year - _FIRST) // 5))))
     result = model.calculate(
         glat=math.degrees(latitude), glon=math.degrees(longitude), alt=0.0, time=year
     )
@@ -37,15 +42,11 @@ def declination(latitude: float, longitude: float, date: str | None = None) -> f
 
 @functools.cache
 def table(epoch: int) -> Any:
-    """Read once; ``serve`` has it read ahead, in a thread that may wait for the disk. None where
-    it cannot be read."""
+    """Read once; ``serve`` reads it ahead, in a thread that may wait. Raises OSError."""
     from pygeomag import GeoMag
 
     made = GeoMag(coefficients_file=f"wmm/WMM_{epoch}.COF")
-    try:
-        made.calculate(glat=0.0, glon=0.0, alt=0.0, time=float(epoch))  # reads its file
-    except OSError:
-        return None
+    made.calculate(glat=0.0, glon=0.0, alt=0.0, time=float(epoch))  # reads its file
     return made
 
 

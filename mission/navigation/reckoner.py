@@ -247,14 +247,14 @@ class Reckoner:
         self._pending = (*self._pending, f)[-_PENDING:]
         if self._repeats(f):
             return
-        if self.last_fix is not None and f.t - self.last_fix >= _GAP:
+        if self._assumed or (self.last_fix is not None and f.t - self.last_fix >= _GAP):
             self._before = f.t, self.filter.save(), self._assumed
         if not self.located:
             self.place(f.t, f.north, f.east, f.variance)
         elif not self._admit(f):
             self._pending = self._pending[:-1]
             return
-        self._used, self.last_fix, self._rejected, self._assumed = f, f.t, (), False
+        self._used, self.last_fix, self._rejected = f, f.t, ()
 
     def _repeats(self, f: GroundFix) -> bool:
         """The same position from a second sentence of the same second."""

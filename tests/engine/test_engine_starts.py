@@ -286,7 +286,7 @@ def test_how_far_home_is_must_be_known_by_a_fix_of_the_last_five_seconds():
     for age, may in ((None, False), (5.0, True), (5.001, False)):
         world = World(MISSION)
         if age is not None:
-            world.tell(world.fix())
+            world.tell(world.report(), world.fix())
             world.t += age
         world.tell(world.report())
         why = refusal(world, StartMission())
@@ -368,7 +368,7 @@ def test_a_fix_of_the_last_minute_still_tells_that_home_is_far_and_where_it_begi
     for north, said in ((250.0, "250 m away"), (20.0, "")):
         world = World(mission(leg("a"), start_without_fix=True))
         world.tell(SetSafety(radius=200.0))
-        world.tell(world.fix(north=north))
+        world.tell(world.report(), world.fix(north=north))
         world.t += age
         world.tell(world.report())
         assert said in refusal(world, StartMission())

@@ -7,7 +7,15 @@ import linecache
 import pytest
 
 from mission.model import By, Evaluation, Step, Tx
-from mission.onboard.serve.journal import AGAIN_S, DEEPEST, OF_A_KIND, REMEMBERED, Journal, printed
+from mission.onboard.serve.journal import (
+    AGAIN_S,
+    CAUSES,
+    DEEPEST,
+    OF_A_KIND,
+    REMEMBERED,
+    Journal,
+    printed,
+)
 
 
 class Desk:
@@ -87,10 +95,24 @@ def test_an_error_is_told_with_its_cause_and_is_no_error_of_the_journal() -> Non
     except Wordless as error:
         desk.journal.error("a fault of the program:", error)
     rows = desk.lines[0].split("\n")
-    caused = rows.index("and behind that:")
-    assert rows[caused - 1] == "ZeroDivisionError: no depth"
-    assert rows[-1] == "Wordless"
+    caused = rows.index("caused by:")
+    assert rows[caused - 1] == "Wordless"
+    assert rows[-1] == "ZeroDivisionError: no depth"
     assert len(rows) < 2 * DEEPEST + 5
+
+
+def test_an_error_that_causes_itself_or_a_thousand_others_ends() -> None:
+    desk = Desk()
+    one = ValueError("round")
+    one.__context__ = ValueError("and round")
+    one.__context__.__context__ = one
+    desk.journal.error("a fault of the program:", one)
+    assert desk.lines[0].count("and round") == 1
+    for _ in range(5000):
+        behind, one = one, ValueError("deep")
+        one.__cause__ = behind
+    desk.journal.error("a fault of the program:", one)
+    assert desk.lines[1].count("ValueError: deep") == CAUSES
 
 
 def test_ten_thousand_different_things_leave_no_memory_behind() -> None:

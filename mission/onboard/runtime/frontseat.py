@@ -119,9 +119,8 @@ class Frontseat:
 
     @property
     def halfway(self) -> bool:
-        """Words of a set, or of an ascent, wait behind one that the board may answer any moment."""
-        answers = self._outstanding is None or self._outstanding.tries == 1
-        return answers and bool(self._urgent or self._queue)
+        """Words of a set, or the second of an ascent, wait behind those that have left."""
+        return bool(self._urgent or self._queue)
 
     @property
     def idle(self) -> bool:

@@ -31,7 +31,7 @@ LEVELS = {INFO: 6, WARNING: 4, FAULT: 3}  # syslog's numbers
 AGAIN_S = 60.0
 OF_A_KIND = 20  # different things that are told within ``AGAIN_S``
 REMEMBERED = 512
-DEEPEST = 30  # places of an error that are told
+DEEPEST, CAUSES = 30, 5  # places of an error that are told; errors behind one another
 _COMMAND = "to the vehicle\0"  # keys of what the vehicle was sent begin so
 
 
@@ -199,13 +199,17 @@ def printed(line: str, wall: float) -> str:
 
 
 def _places_of(error: BaseException) -> Iterator[str]:
-    """Where it was raised, innermost last, and what it is; what caused it first."""
-    if (cause := error.__cause__ or error.__context__) is not None:
-        yield from _places_of(cause)
-        yield "and behind that:"
-    for frame, line in deque(traceback.walk_tb(error.__traceback__), DEEPEST):
-        yield f"  {frame.f_code.co_filename}:{line} {frame.f_code.co_name}"
-    try:
-        yield f"{type(error).__name__}: {error}"
-    except Exception:
-        yield type(error).__name__
+    """Where it was raised, innermost last, and what it is; then what caused it."""
+    told: list[BaseException] = []
+    one: BaseException | None = error
+    while one is not None and not any(one is other for other in told) and len(told) < CAUSES:
+        if told:
+            yield "caused by:"
+        for frame, line in deque(traceback.walk_tb(one.__traceback__), DEEPEST):
+            yield f"  {frame.f_code.co_filename}:{line} {frame.f_code.co_name}"
+        try:
+            yield f"{type(one).__name__}: {one}"
+        except Exception:
+            yield type(one).__name__
+        told.append(one)
+        one = one.__cause__ or one.__context__

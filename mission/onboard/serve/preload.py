@@ -30,7 +30,8 @@ def prepare(runtime: Runtime) -> Navigation:
 
         navigation = runtime.make_navigation()
         for epoch in EPOCHS:
-            table(epoch)
+            with contextlib.suppress(OSError):  # it is told by nobody, and counts as 0
+                table(epoch)
         if runtime.state.startswith("idle"):  # no ascent waits for it
             judge_ahead(runtime)
         if not gc.get_freeze_count():  # a further runtime: its predecessor may be garbage by now

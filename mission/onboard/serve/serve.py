@@ -201,11 +201,11 @@ class Server:
 
     def _fault(self, error: Exception) -> None:
         """Logs an error of the program itself; it never ends serve."""
-        self._journal.error("a fault of the program; what was under way surfaces:", error)
         self._runtime = None
         if self._timer is not None:
             self._timer.cancel()
         self._spawn(self._begin_again())
+        self._journal.error("a fault of the program; what was under way surfaces:", error)
 
     async def _begin_again(self) -> None:
         self._spawn(self._processes.begin_again())

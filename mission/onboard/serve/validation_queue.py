@@ -82,6 +82,7 @@ class ValidationQueue:
         self._missed = [*self._missed, *orders][-MISSED:]
         last = heard[max(end, len(heard) + _TAIL, heard.rfind(b"$") + 1) :]
         self._begun[rx.link, rx.address] = rx._replace(data=last if b"@" in last else b"")
+        self._begun = dict(list(self._begun.items())[-MISSED:])
 
     def take_missed(self, now: float) -> list[Rx]:
         """And what may go on as one."""

@@ -19,20 +19,21 @@ class Watchdog:
         self._address = os.environ.get("NOTIFY_SOCKET", "")
         period = os.environ.get("WATCHDOG_USEC", "") if self._address else ""
         self._every = int(period) / 3e6 if period.isdigit() and int(period) else float("inf")
-        self._last, self._owed = float("-inf"), b""
+        self._last, self._owed = float("-inf"), False
 
     def ready(self) -> None:
-        """Said with the next sign of life as well, where nobody takes it."""
-        self._owed = b"" if self._notify(b"READY=1") else b"READY=1\n"
+        """Said again with each step of the runtime, until somebody takes it."""
+        self._owed = not self._notify(b"READY=1")
 
     def stopping(self) -> None:
         self._notify(b"STOPPING=1")
 
     def fed(self, monotonic: float) -> None:
+        if self._owed:
+            self.ready()
         if monotonic - self._last >= self._every / 2:
             self._last = monotonic
-            if self._notify(self._owed + b"WATCHDOG=1"):
-                self._owed = b""
+            self._notify(b"WATCHDOG=1")
 
     def remaining(self, monotonic: float) -> float:
         """s until the runtime must have made a step, inf without a watchdog."""
