@@ -22,11 +22,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from itertools import pairwise
+from itertools import compress, pairwise
 
 from mission.model import STOPPED, SURFACED, SURFACING, Tx
 from mission.verification.campaign.laws import Violation
-from mission.verification.campaign.story import DOWN_WORD, STOP_WORD, UPWARD_WORDS, Stay, Story
+from mission.verification.campaign.story import (
+    DOWN_WORD,
+    STOP_WORD,
+    UPWARD_WORDS,
+    Stay,
+    Story,
+    apart,
+)
 
 SUNK = "sunk"
 DEPTH_FAULTS = ("depth_",)
@@ -89,7 +96,8 @@ def _sinks_from_rest(story: Story, stay: Stay) -> Iterator[Violation]:
     deep = _DEEP_AGAIN if stay.state == SURFACED else _DEEP
     shallowest, seen, last = math.inf, 0, -math.inf
     deeper = _DEEPER + (_ROSE if story.depth(stay.begin) > 1.0 else 0.0)
-    for told in story.told_in(stay.begin, stay.end):
+    reports = story.told_in(stay.begin, stay.end)
+    for told in compress(reports, apart(r.t for r in reports)):
         depth = story.depth(told.t)
         excused = _excused(story, told.t - 20.0, told.t)
         if told.t - last > _STALE or excused:
