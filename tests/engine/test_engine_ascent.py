@@ -893,12 +893,17 @@ def test_a_surface_leg_ends_at_the_surface_and_the_next_leg_begins_with_a_stop()
     assert isinstance(back, Setpoint)
 
 
-def test_until_fix_waits_at_the_surface_with_everything_stopped():
+def waiting_for_a_fix() -> World:
     up = leg("up", kind=Surface(until_fix=True), settings=(), timeout=300.0)
     world = World(mission(leg("a", when("elapsed", ">", 5.0)), up, leg("b", timeout=LONG)))
     assert world.start()
     world.depth = 0.2
     world.wait(60.0)
+    return world
+
+
+def test_until_fix_waits_at_the_surface_with_everything_stopped():
+    world = waiting_for_a_fix()
     assert world.state == "autonomous/up"
     assert [c for c in world.commands() if c is Order.STOP] == [Order.STOP]
     world.tell(world.fix(north=0.2))
@@ -907,11 +912,7 @@ def test_until_fix_waits_at_the_surface_with_everything_stopped():
 
 def test_until_fix_waits_for_one_that_navigation_takes():
     """What it refuses as too far off tells nothing of where the next leg begins."""
-    up = leg("up", kind=Surface(until_fix=True), settings=(), timeout=300.0)
-    world = World(mission(leg("a", when("elapsed", ">", 5.0)), up, leg("b", timeout=LONG)))
-    assert world.start()
-    world.depth = 0.2
-    world.wait(60.0)
+    world = waiting_for_a_fix()
     taken = world.nav.fix
     world.nav.fix = lambda _: None
     for _ in range(2):

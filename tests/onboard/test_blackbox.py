@@ -17,9 +17,10 @@ from mission.onboard import blackbox
 from mission.onboard.blackbox import (
     BlackBox,
     BlackBoxError,
+    file_name,
     form,
+    free,
     missing,
-    new_path,
     read_parts,
     read_records,
 )
@@ -250,10 +251,10 @@ def test_a_foreign_file_and_an_absent_one_are_named(tmp_path: Path) -> None:
 
 
 def test_two_starts_in_one_second_have_two_files(tmp_path: Path) -> None:
-    first = new_path(tmp_path, 1.75e9)
+    first = free(tmp_path / file_name(1.75e9))
     assert first.name == "20250615T150640Z.mcap"
     first.touch()
-    assert new_path(tmp_path, 1.75e9) != first
+    assert free(first) != first
 
 
 @pytest.mark.proof

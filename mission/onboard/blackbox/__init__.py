@@ -18,7 +18,7 @@ from mission.onboard.blackbox.closed import (
     told_start,
 )
 from mission.onboard.blackbox.form import FLUSH_S, KINDS, LIMIT, MAGIC, BlackBoxError
-from mission.onboard.blackbox.parts import file_name, first_part, new_path, part_path
+from mission.onboard.blackbox.parts import file_name, first_part, free, part_path
 from mission.onboard.blackbox.reading import (
     Gap,
     missing,
@@ -43,8 +43,8 @@ __all__ = [
     "close_recording",
     "file_name",
     "first_part",
+    "free",
     "missing",
-    "new_path",
     "notes_of",
     "part_path",
     "read_parts",

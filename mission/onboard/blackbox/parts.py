@@ -17,13 +17,9 @@ def file_name(wall: float) -> str:
     return datetime.fromtimestamp(wall, UTC).strftime("%Y%m%dT%H%M%SZ.mcap")
 
 
-def new_path(folder: Path, wall: float) -> Path:
-    """A name that is not taken: two starts within a second (or a clock set back) differ."""
-    return free(folder / file_name(wall))
-
-
 def free(path: Path) -> Path:
-    """The same, or with a number behind its name, where that is taken."""
+    """The same, or with a number behind its name, where that is taken: two starts within a second
+    (or a clock set back) differ."""
     found, number = path, 1
     while found.exists():
         number += 1
