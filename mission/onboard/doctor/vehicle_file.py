@@ -55,7 +55,7 @@ def assumed(vehicle: Vehicle) -> Iterator[Finding]:
         yield warning(
             "assumed",
             "speeds and turning are planning figures, not measured",
-            "fly missions/shakedown.yaml, then auvmission calibrate"
+            "fly missions/surface-shakedown.yaml, then auvmission calibrate"
             if vehicle.codec == "auv"
             else "measure them by hand (auvmission stick), and set them in the vehicle file",
         )
