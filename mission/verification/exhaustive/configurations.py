@@ -57,7 +57,7 @@ PROFILES = {"auv": ("as-built", "documented")}  # by codec; the others have thei
 SHALLOW = 0.2  # m
 STICK = b"@MMF5$"
 PROVED = 9  # s until a shallow depth has proved the surface, for a board whose own place is a fix
-_ABOVE = 0.5  # V over the limit, where the handlers of shipped missions act
+_ABOVE = 0.5  # V over the limit, low enough for the battery handlers of missions
 DEEPER = 0.8  # m: where no thrust is reported, 1 m short of the held depth is a push in vain
 _NOT_MINE = Position(30.0, 120.0)  # the home if a mission names none
 

@@ -141,7 +141,7 @@ class World(LockStep):
             self.sea.depth += deeper / parts
             self.wait(seconds / parts)
 
-    # --- what comes in -------------------------------------------------------------------------
+    # --- input ---------------------------------------------------------------------------------
 
     def say(self, data: bytes, address: str = BOAT) -> None:
         if data.startswith(b"@M"):
@@ -234,7 +234,7 @@ class World(LockStep):
         if self.reports:
             self.report()
 
-    # --- what goes out -------------------------------------------------------------------------
+    # --- output --------------------------------------------------------------------------------
 
     def _take(self, sent: list[Tx]) -> None:
         before = len(self.sent)

@@ -159,7 +159,7 @@ def again(flown: Flown, source: str, seed: int) -> str:
     return f"auvmission simulate {source} --seed {seed + flown.number} {said}{floor}"
 
 
-# --- told -----------------------------------------------------------------------------------------
+# --- output ---------------------------------------------------------------------------------------
 
 
 def as_text(made: Rehearsal, source: str, seed: int) -> str:

@@ -118,7 +118,7 @@ class Rig(LockStep):
         self.plan(Disturbance(self.now + RESTART, Act.BOOT))
         self.plan(Disturbance(self.now + RESTART + 1.0, Act.JOIN))
 
-    # --- what comes in ---------------------------------------------------------------------------
+    # --- input -----------------------------------------------------------------------------------
 
     def join(self, address: str = BOAT, link: str = TOPSIDE) -> None:
         self.joined.add(address)
@@ -157,7 +157,7 @@ class Rig(LockStep):
             self.events.append(Heard(self.now, rx.data))
         self.send(self.program.receive(rx, self.now))
 
-    # --- what goes out ---------------------------------------------------------------------------
+    # --- output ----------------------------------------------------------------------------------
 
     def send(self, sent: list[Tx]) -> None:
         """Deliver these bytes, then the answers to them, until nobody answers any more."""
@@ -189,7 +189,7 @@ class Rig(LockStep):
                 out += self.say(TOPSIDE, BOAT, data)
         return out
 
-    # --- what is disturbed -----------------------------------------------------------------------
+    # --- disturbances ----------------------------------------------------------------------------
 
     def plan(self, disturbance: Disturbance) -> None:
         self._count += 1
@@ -275,7 +275,7 @@ class Rig(LockStep):
             if disturbance.link not in ports:
                 self.do(disturbance)
 
-    # --- what is kept ----------------------------------------------------------------------------
+    # --- recorded events -------------------------------------------------------------------------
 
     def stepped(self, step: Step) -> None:
         self.events.append(step)

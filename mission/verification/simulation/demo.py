@@ -155,7 +155,7 @@ class Demo:
     def _told(self, told: Status, _: StoreReport | None) -> None:
         self.progress.depth = told.telemetry.depth if told.telemetry else None
 
-    # --- what came of it -----------------------------------------------------------------------
+    # --- the results ---------------------------------------------------------------------------
 
     def _flight(self, box: Path, vehicle_wall: float, wall: float) -> Flight:
         """Return the flight, from the black box and the true track. Places count from the home that

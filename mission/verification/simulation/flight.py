@@ -132,7 +132,7 @@ class _Flight(Rig):
         self.sea.advance(self.now)
         return self.sea.truth().at_surface
 
-    # --- what is kept, with the truth beside it ---------------------------------------------------
+    # --- estimates and true places ----------------------------------------------------------------
 
     def stepped(self, step: Step) -> None:
         super().stepped(step)
