@@ -1,4 +1,4 @@
-"""What a count of failures says about their probability."""
+"""Bound the probability of a failure by the number of failures that were counted."""
 
 from __future__ import annotations
 
@@ -6,8 +6,9 @@ CONFIDENCE = 0.95
 
 
 def at_most(failures: int, trials: int, confidence: float = CONFIDENCE) -> float:
-    """The exact upper bound of Clopper and Pearson (Biometrika 26, 1934), one-sided: a greater
-    probability would, with this confidence, have failed more often. Four digits; 1 for no trial."""
+    """Return the exact one-sided upper bound of Clopper and Pearson (Biometrika 26, 1934), rounded
+    to four digits: with a greater probability there would, with this confidence, have been more
+    failures. 1 without trials."""
     from scipy.special import betaincinv
 
     if failures >= trials:

@@ -2,23 +2,22 @@
 
     configurations  x  events  ->  cells  ->  laws  ->  violations
 
-Everything happens at the runtime: telemetry, fixes, acknowledgements and operators' commands are
-bytes that go through the real decoders, and what a law sees is bytes that left, the Steps on
-record, and the state. A board of documents 002 to 004 is heard and told in bytes of its own
-(lines). Laws are written from the design and the rules alone: they never ask the engine what is
-right. Three things reach behind the bytes, because a day would not do otherwise: a configuration is
-put in place by the engine's ``place`` (leg, rounds, time in the leg), a distance that a leg waits
-for is given to it (exit_inputs), and a runtime is copied whole (fork), so that each cell begins at
-the same instant.
+All input is bytes into the runtime: telemetry, fixes, acknowledgements and operators' commands go
+through the real decoders. A law sees the bytes that left, the recorded Steps and the state. A board
+of documents 002 to 004 sends and receives its own bytes (lines). Laws are written from the design
+and the rules alone: they never ask the engine what is right. Three things bypass the bytes, since
+the proof would otherwise take more than a day: the engine's ``place`` sets up a configuration (leg,
+rounds, time in the leg), a leg that waits for a distance is given it (exit_inputs), and a runtime
+is copied whole (fork), so that each cell begins at the same instant.
 
-    wire            the sea, and what the AUV and the GPS say of it, in bytes
-    lines           each vehicle's line: its reports, and what it is told in the words of the laws
+    wire            the sea, and the bytes in which the AUV and the GPS report it
+    lines           each vehicle's line: its reports, and its frames as the commands of the laws
     world           a runtime with a vehicle on its line, and what was seen of it
-    fork            one runtime as many
+    fork            copies of one runtime
     configurations  the ways into every configuration
-    commands        events: the rows of what operators say
+    commands        events: what operators send
     limit_events    events that trip each limit
-    events          the others: readings, answers, time, a restart
+    events          the others: readings, answers, time, a restart; and the table of all
     exit_inputs     the event that a leg's exit waits for
     laws            the rows of laws: states; proof_laws what is proved, line_laws what leaves when,
                     leg_laws legs, operator_laws what is answered

@@ -1,9 +1,9 @@
-"""Events, those of sensors that were added: what they say is not so, in every configuration.
+"""Events of added sensors: they send wrong values, in every configuration.
 
-Wild speeds, places and ranges once a second, and a second receiver that goes on saying a place far
-away: nothing of it is a cause of anything (laws: from region to region only for a cause).
+The values are wild speeds, places and ranges once a second, and the places of a second receiver far
+away. None of them is a cause of anything (laws: from region to region only for a cause).
 
-What does not live here: honest readings (events), what such a lie is worth (campaign).
+What does not live here: correct readings (events), how wrong values affect the estimate (campaign).
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from mission.verification.exhaustive.commands import Play, script
 from mission.verification.exhaustive.lines import WATER, told
 from mission.verification.exhaustive.world import World
 
-_SECONDS, _NEAR = 11, 4  # of them
+_SECONDS, _NEAR = 11, 4  # s of an event; s of those with places near by
 _Says = Callable[[Random, int], bytes]
 
 
@@ -38,7 +38,7 @@ def _log(rng: Random, second: int) -> bytes:
 
 
 def _place(rng: Random, second: int) -> bytes:
-    """Anywhere within 300 m of where the shipped missions are, later of 5 km."""
+    """A place anywhere within 300 m of the shipped missions, later within 5 km."""
     most = 0.16 if second < _NEAR else 2.5  # minutes of an arc
     north, east = 17.2 + rng.uniform(-most, most), 9.2 + rng.uniform(-most, most)
     return sentence(f"VDGLL,30{north:09.6f},N,120{east:09.6f},E,080000.00,A")
@@ -49,7 +49,7 @@ def _range(rng: Random, second: int) -> bytes:
 
 
 def _second_far_away(world: World) -> None:
-    """Under water, while the first says nothing."""
+    """A second receiver sends places under water, while the first is silent."""
     world.put(world.deep)
     for second in range(_SECONDS):
         place = f"3019.{second:06d},N,12011.000000,E,1,09,0.9,3.0,M,,M,,"

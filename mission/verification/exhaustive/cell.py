@@ -1,6 +1,6 @@
-"""What a law is asked about: a configuration, an event, and what was seen.
+"""What a law judges: a configuration, an event, and what was seen.
 
-What does not live here: how either comes about (configurations, events), what is right (laws).
+What does not live here: how they come about (configurations, events), what is right (laws).
 """
 
 from __future__ import annotations
@@ -17,8 +17,9 @@ from mission.verification.exhaustive.world import World
 
 @dataclass(frozen=True, slots=True)
 class Configuration:
-    """``leaf`` is the active leg, or the interrupted one. ``preceded``: an emergency since idle.
-    ``quiet``: no Z is outstanding."""
+    """``leaf``: the active or the interrupted leg. ``auto``: node AUTO is open. ``loaded``: a
+    mission is stored. ``preceded``: there was an emergency since idle. ``quiet``: no Z is
+    outstanding."""
 
     mission: str
     profile: str
@@ -39,11 +40,12 @@ class Configuration:
 
 @dataclass(frozen=True, slots=True)
 class Event:
-    """``play`` lets it happen, and some time pass. ``command`` is the frame type of an operator's
-    command, by ``path`` (boat, the commander; tender; modem); ``limit`` the row of R5 and R8 that
-    it breaches; ``sensor`` tells nothing that can be believed from ``after`` s on. ``also`` names
-    whatever else of it may have an effect. ``needs``: what a vehicle has that it can happen to
-    (lines). ``word``: the M that is said."""
+    """``play`` makes the event happen and lets some time pass.
+
+    ``command``: the frame type of an operator's command; ``path``: how it comes (boat, the
+    commander; tender; modem). ``limit``: the row of R5 and R8 that is breached. ``sensor``: its
+    readings cannot be believed from ``after`` s on. ``also``: further causes of an effect.
+    ``needs``: what a vehicle must have for this event (lines). ``word``: the M that is sent."""
 
     name: str
     play: Callable[[World, Configuration, Chart], None]
@@ -68,7 +70,7 @@ class Before:
 
     t: float
     depth: float
-    stick_age: float  # of anybody's, whether it was obeyed or not
+    stick_age: float  # s since anyone's last M, obeyed or not
     emergency_age: float  # inf without one
     fix_age: float
     started: float | None  # the mission under way, or interrupted
@@ -96,13 +98,13 @@ class Cell:
     def frames(
         self, start: bytes = b"@", since: int | None = None, until: int | None = None
     ) -> list[Tx]:
-        """What left for the STM32, of those that begin so; ``since`` and ``until``, if not the
-        event's, count what had left in all."""
+        """Return what left for the vehicle and begins with ``start``. ``since`` and ``until`` are
+        counts of all that had left; by default, from the event on."""
         sent = self.world.sent[self.before.sent if since is None else since : until]
         return [t for t in sent if t.link == "vehicle" and t.data.startswith(start)]
 
     def answers(self, start: bytes) -> list[Tx]:
-        """What left for operators."""
+        """Return what left for operators and contains ``start``."""
         of_operators = ("topside", "modem")
         return [t for t in self.sent if t.link in of_operators and start in t.data]
 
@@ -112,7 +114,7 @@ class Cell:
 
     @property
     def states(self) -> list[str]:
-        """Every state that was taken, the first and the last included."""
+        """All states since the event began, the first and the last included."""
         return [
             self.configuration.state,
             *(s for _, s in self.world.states[self.before.states :]),
@@ -128,19 +130,19 @@ class Cell:
 
     @property
     def leg(self) -> State | None:
-        """The active leg when the event began."""
+        """The leg that was active when the event began."""
         c = self.configuration
         return self.chart.state(c.leaf) if c.region == "autonomous" else None
 
     @property
     def ascends(self) -> bool:
-        """Whether that leg is of a kind that ascends."""
+        """Whether the leg that was active is of a kind that ascends."""
         leg = None if self.leg is None else self.leg.leg
         return leg is not None and LEGS[type(leg.kind)].ascends
 
 
 def _emergency_age(world: World) -> float:
-    """Since the last X, W or limit led there."""
+    """Return the s since the last X, W or limit led to an emergency; inf without one."""
     begun = [t for t, state in world.states if state in (STOPPED, SURFACING)]
     return world.now - max(begun, default=-math.inf)
 

@@ -1,9 +1,8 @@
-"""Events, the rows of what operators say: every command, by every path.
+"""Events from operators: every command, by every path.
 
-It is encoded as a console does it. An event is played in every configuration, also where it cannot
-do anything: then that is the law.
-
-A word of the operator that no row says is said as its examples have it, so a new one is tried too.
+Commands are encoded as a console does it. Every event is played in every configuration. Where it
+must not do anything, the laws ask just that. An operator command without a row is sent as its
+examples show it, so a new command is tried, too.
 
 What does not live here: what happens to the vehicle (events), what must follow (laws).
 """
@@ -25,7 +24,7 @@ Play = Callable[[World, Configuration, Chart], None]
 
 
 def pool(vehicle: str) -> tuple[str, ...]:
-    """A mission that every vehicle can fly."""
+    """Return the lines of a mission that every vehicle can fly."""
     return (
         f"mission pool vehicle {vehicle}",
         "safety radius 100 time 5min depth 5",
@@ -37,13 +36,13 @@ def pool(vehicle: str) -> tuple[str, ...]:
 FIRST = pool("auv")[0]
 WIDE = encode(SetSafety(radius=60000.0))
 LOOSE = encode(SetSafety(radius=65000.0))
-FALSE_HEAD = b"#\x02\x80\x0c\x01"  # of a content of 3200 bytes
-COPIED = 6.0  # s that a copy is late: the answers are given, and the 5 s of two paths are over
-TURN = 10.0  # s each way of an ascent is given (R7)
-SETTLE = 0.3  # s: the line, and an answer of the STM32
-_PASSED = HELD_S + SETTLE  # s: what is passed on waits for an answer that never comes
-BELOW = 3.0  # s: the modem's turn
-WORD = "word"  # the path of an event that was made of a row of WORDS: the boat's
+FALSE_HEAD = b"#\x02\x80\x0c\x01"  # noise that looks like the head of a content of 3200 bytes
+COPIED = 6.0  # s by which a copy is late: all is answered, and the 5 s for two paths are over
+TURN = 10.0  # s that each way of an ascent has (R7)
+SETTLE = 0.3  # s for the line and an answer of the STM32
+_PASSED = HELD_S + SETTLE  # s: a relay waits for an answer that never comes
+BELOW = 3.0  # s for the modem
+WORD = "word"  # the path (the boat's) of an event that is made of a row of WORDS
 
 
 def script(of: Callable[[World], None]) -> Play:
@@ -59,7 +58,7 @@ def _says(frame: bytes, seconds: float = SETTLE) -> Play:
 
 
 def _other_says(frame: bytes) -> Play:
-    """While the boat commands."""
+    """Another connection sends a frame while the boat is the commander."""
 
     def play(world: World) -> None:
         world.say(WIDE)
@@ -71,7 +70,7 @@ def _other_says(frame: bytes) -> Play:
 
 
 def _later_says(frame: bytes) -> Play:
-    """After the boat has been silent for long enough."""
+    """Another connection sends a frame after the boat was silent long enough (R12)."""
 
     def play(world: World) -> None:
         world.wait(10.5)
@@ -137,7 +136,7 @@ def _pi_closes(world: World) -> None:
 
 
 def _sticks_and_starts(world: World) -> None:
-    """While the stick is held the vehicle does not report."""
+    """Hold the stick for 6 s, then send @AA. The vehicle sends no report meanwhile."""
     world.reports = False
     for _ in range(30):
         world.say(b"@MMF5$")
@@ -151,7 +150,8 @@ def _sticks_and_starts(world: World) -> None:
 
 
 def _pushes(frame: bytes, words: int = 2) -> Play:
-    """The state counts behind the second word: the first takes no emergency over (R6)."""
+    """Send ``words`` M. The state after the second counts: the first takes no emergency over
+    (R6)."""
 
     def play(world: World) -> None:
         for said in range(words):
@@ -179,14 +179,15 @@ def _clears_blind(world: World) -> None:
 
 
 def _slides(world: World, seconds: float) -> None:
-    """A rudder, 60 words a second: the line carries half of them."""
+    """Send 60 rudder commands a second; the line carries half of them."""
     for i in range(int(seconds * 60)):
         world.say(b"@DS%d,%d$" % (i % 3 + 1, i % 20))
         world.wait(1.0 / 60.0)
 
 
 def behind(world: World) -> float:
-    """s by which a way comes later where the W was said in an ascent, which goes on (R7)."""
+    """Return by how many s a way comes later because the W came in an ascent, which continues
+    (R7)."""
     ascent = world.engine.core.ascent
     again = ascent is not None and ascent.began < world.now - 2.0 * SETTLE
     return TURN * (len(ways_of(world.line)) - 1) if again else 0.0
@@ -198,7 +199,7 @@ def _surfaces_under_a_slider(world: World) -> None:
 
 
 def _surfaces_behind_noise(world: World) -> None:
-    """Behind a head that is none nothing is whole for more than a second."""
+    """Send W by modem after a false head, which keeps the content unfinished for over a second."""
     world.hear_modem(FALSE_HEAD + b"\xff")
     world.at_once = ""
     world.say_below(b"@ZAWF$")
@@ -221,7 +222,7 @@ def _loosens_late(world: World) -> None:
 
 
 def of_word(word: OperatorWord) -> Iterator[Event]:
-    """A word that no row here says, as each of its examples has it."""
+    """Return events of a command without a row here, one for each of its examples."""
     for number, frame in enumerate(word.examples, 1):
         yield Event(f"{word.code}, example {number}", _says(frame), word.code, WORD)
 

@@ -5,8 +5,8 @@
                 x handlers not acted, acted x no Z outstanding, one, one after two that were lost
     manual      each leg x rounds, interrupted: driving, waiting
 
-A way that a vehicle does not have (a Z without an answer, water) is left out. The AUV's control
-battery is taken as measured here, so that its limit can act, too; it reports no leak.
+A way that needs what a vehicle does not have (acknowledgements, water) is left out. The AUV's
+control battery counts as measured here, so that its limit can act, too; it reports no leak.
 
 What does not live here: what happens next (events).
 """
@@ -53,22 +53,22 @@ from mission.verification.exhaustive.world import World
 from protocol.messages import SetSafety
 from protocol.topside import encode
 
-PROFILES = {"auv": ("as-built", "documented")}  # by codec, where the document has not only its own
+PROFILES = {"auv": ("as-built", "documented")}  # by codec; the others have their dialect alone
 SHALLOW = 0.2  # m
 STICK = b"@MMF5$"
-PROVED = 9  # s until a shallow depth has proved the surface, where a board's own place is a fix
-_ABOVE = 0.5  # V over the limit: what handlers ask for
-DEEPER = 0.8  # m: what tells no thrust is taken to push in vain 1 m short of what it holds
-_NOT_MINE = Position(30.0, 120.0)  # where a mission names no home
+PROVED = 9  # s until a shallow depth has proved the surface, for a board whose own place is a fix
+_ABOVE = 0.5  # V over the limit, low enough for the battery handlers of missions
+DEEPER = 0.8  # m: where no thrust is reported, 1 m short of the held depth is a push in vain
+_NOT_MINE = Position(30.0, 120.0)  # the home if a mission names none
 
 
 class Unreachable(RuntimeError):
-    """A way does not lead to the configuration that it is for: this room must be mended."""
+    """A way does not lead to its configuration: a bug of this package."""
 
 
 @dataclass(frozen=True, slots=True)
 class Ground:
-    """A mission on a profile, and worlds to begin from."""
+    """A mission on a profile, and the worlds that configurations begin from."""
 
     line: Line
     prepared: Prepared
@@ -85,8 +85,8 @@ class Ground:
 
 
 def profiles_of(path: Path, vehicle: str | None = None) -> tuple[str, ...]:
-    """How the vehicle of this mission may have been built. Raises Unreadable, or Unreachable where
-    this proof has no bytes of it."""
+    """Return the profiles of the mission's vehicle. Raises Unreadable, or Unreachable if this
+    proof does not have the bytes of that vehicle."""
     named = prepare(path, vehicle).vehicle
     if named.codec not in SPOKEN:
         raise Unreachable(
@@ -97,8 +97,8 @@ def profiles_of(path: Path, vehicle: str | None = None) -> tuple[str, ...]:
 
 
 def ground(path: Path, profile: str, vehicle: str | None = None) -> Ground:
-    """Of a profile of ``profiles_of``. Raises Unreadable, or Unreachable where the mission does not
-    start."""
+    """Set up a mission on one of its ``profiles_of``. Raises Unreadable, or Unreachable if the
+    mission does not start."""
     prepared = prepare(path, vehicle)
     line = line_of(replace(prepared.vehicle, dialect=profile, constant_batteries=False))
     home = prepared.mission.home or _NOT_MINE
@@ -139,7 +139,7 @@ def configurations(ground: Ground) -> Iterator[tuple[Configuration, World]]:
 
 
 def sink(world: World) -> None:
-    """To where one is under water: at a rate that is seen once, which no limit minds."""
+    """Bring the vehicle under water, at a rate that one report shows, so that no limit acts."""
     world.wait(2.0)
     world.put(world.deep + (0.0 if THRUSTERS in world.line.has else DEEPER))
     world.wait(4.0)
@@ -155,7 +155,7 @@ def rise(world: World) -> None:
 
 @dataclass(frozen=True, slots=True)
 class Way:
-    """``begin`` is a world of the ground; ``needs`` what the vehicle has (lines)."""
+    """``begin``: the world of the ground; ``needs``: what the vehicle must have (lines)."""
 
     name: str
     state: str
@@ -190,7 +190,7 @@ def _surface(world: World) -> None:
 
 
 def _stick(world: World) -> None:
-    """A push, which may take over an emergency."""
+    """A push, which may take over an emergency (R6)."""
     for seconds in (0.2, 0.1):
         world.say(STICK)
         world.wait(seconds)
@@ -211,7 +211,7 @@ def _surfaced(world: World) -> None:
 
 
 def _held_up(world: World) -> None:
-    """Sunk out of surfaced, and at the surface again by thrust."""
+    """Sink out of surfaced, and come back to the surface by thrust."""
     _surfaced(world)
     while world.state == SURFACED:
         world.go(0.4, 2.0)
@@ -367,7 +367,7 @@ def _words(rounds: Rounds) -> str:
 
 
 def _let_handlers_act(world: World, chart: Chart) -> None:
-    """The battery's handler, and ``on uncertain``: each once, from the first leg."""
+    """Let the battery's handler and ``on uncertain`` act, each once, from the first leg."""
     world.engine.place(chart.initial, {})
     full, own, hard = world.sea.control_v, chart.mission.safety.voltage, world.vehicle.limits
     world.sea.control_v = max(own or 0.0, hard.voltage) + _ABOVE
@@ -386,7 +386,7 @@ def _let_handlers_act(world: World, chart: Chart) -> None:
 
 
 def doubt(world: World) -> None:
-    """A radius that the vehicle is within, but not surely; it goes along the circle."""
+    """Set a radius within which the vehicle is, but not with 95 %; it heads along the circle."""
     here = world.engine.estimate
     assert here is not None
     world.sea.heading_deg = 90.0

@@ -1,10 +1,9 @@
 """Events of a depth that cannot be believed, and of a push that leads down.
 
-Each begins with a W or a restart, so that there is an ascent that could be taken in: by a depth
-that stands, by one from before a silence, by fixes that are made up, by pushes of what is upside
-down, by a leap.
+Each begins with a W or a restart, so that there is an ascent that could be misled: by a stuck
+depth, by a depth from before a silence, by false fixes, by pushes while upside down, by a leap.
 
-What does not live here: what must follow (doubt_laws), sensors that are ill by themselves (events).
+What does not live here: what must follow (doubt_laws), sensor faults without an ascent (events).
 """
 
 from __future__ import annotations
@@ -16,9 +15,9 @@ from mission.verification.exhaustive.lines import GPS, U12, WATER, W
 from mission.verification.exhaustive.world import World
 
 _PERIOD = 2.0  # s between reports
-_OVER_DEG = (170.0, 172.0, -178.0, 171.0, 169.0)  # it moves, as what lies in the water does
-_LEAP, _RISE = 25.0, 0.8  # m; m in a period
-_MADE_UP = 40  # s of fixes: less than the way up takes
+_OVER_DEG = (170.0, 172.0, -178.0, 171.0, 169.0)  # it changes, as in the water
+_LEAP, _RISE = 25.0, 0.8  # m; m in a report period
+_MADE_UP = 40  # s of false fixes, less than the rise takes
 
 
 def _ordered_up(world: World) -> None:
@@ -29,7 +28,7 @@ def _ordered_up(world: World) -> None:
 
 
 def _restarts_and_stands(world: World) -> None:
-    """Heard late, and then the same in every report."""
+    """Restart at a shallow depth; reports come late, and then have the same depth each."""
     world.wait(0.05)
     world.sea.depth = SHALLOW
     world.restart()
@@ -42,7 +41,7 @@ def _restarts_and_stands(world: World) -> None:
 
 
 def _wanders(world: World) -> None:
-    """The receiver says a new place each second, wherever the vehicle is."""
+    """Let the receiver send a new place each second, wherever the vehicle is."""
     for _ in range(_MADE_UP):
         world.sea.north += 0.5
         world.fix()
@@ -57,7 +56,7 @@ def _wanders_without_a_depth(world: World) -> None:
 
 
 def _restarts_and_wanders(world: World) -> None:
-    """Under water, while the depth stands at that of the surface."""
+    """Restart under water, with a depth that is stuck at the surface, and false fixes."""
     world.wait(0.05)
     world.sea.depth = SHALLOW
     world.sea.told()
@@ -68,7 +67,7 @@ def _restarts_and_wanders(world: World) -> None:
 
 
 def _shallow_once(world: World) -> None:
-    """A report of the surface, a silence, and another one."""
+    """A report from the surface, a silence, and another such report."""
     _ordered_up(world)
     world.wait(_PERIOD)
     world.put(SHALLOW)
@@ -80,7 +79,7 @@ def _shallow_once(world: World) -> None:
 
 
 def _pushed_down(*, blind: bool) -> Play:
-    """Upside down, so that W and U12 lead deeper."""
+    """Lie upside down, so that W and U12 lead deeper."""
 
     def play(world: World) -> None:
         _ordered_up(world)
@@ -95,7 +94,7 @@ def _pushed_down(*, blind: bool) -> Play:
 
 
 def _rises_elsewhere(world: World) -> None:
-    """The sensor leaps, and goes on from there as the vehicle does, upward."""
+    """Let the depth leap, and follow the vehicle upward from there."""
     _ordered_up(world)
     world.wait(_PERIOD)
     world.sea.depth += _LEAP

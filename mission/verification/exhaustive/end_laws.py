@@ -1,7 +1,7 @@
-"""Laws of how the program begins again, and how it ends: what was under way comes up, what is at
-rest is left so. Rows as in laws.
+"""Laws of a restart and of the program's end: a vehicle under way comes up, one at rest is left at
+rest. Rows as in laws.
 
-What does not live here: what is kept for a restart (laws), how long the program may stay (serve).
+What does not live here: what is stored for a restart (laws), how long the end may take (serve).
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ _AT_REST = (STOPPED, SURFACED)
 
 
 def _under_way(cell: Cell, state: str) -> bool:
-    """A mission, or an ascent; one that the stick interrupts counts."""
+    """Whether a mission or an ascent is under way; a mission that the stick interrupts counts."""
     region = state.partition("/")[0]
     interrupted = region == "manual" and bool(cell.configuration.leaf)
     return region == "autonomous" or state == SURFACING or interrupted
@@ -30,9 +30,9 @@ def _restarts(cell: Cell) -> Verdict:
         up = upward(cell.line)
         return wrong(
             (cell.state != SURFACING, f"the state is {cell.state}"),
-            (first[: len(up)] != up, f"{first} left"),  # no depth is known yet
+            (first[: len(up)] != up, f"{first} left"),  # full thrust: no depth is known yet
         )
-    judged = c.loaded and not c.state.startswith(MANUAL)  # a stop waits for no judge (preload)
+    judged = c.loaded and not c.state.startswith(MANUAL)  # no wait for the check (preload)
     idle = IDLE_READY if judged else IDLE_EMPTY
     return wrong(
         (cell.state != (c.state if c.state in _AT_REST else idle), f"the state is {cell.state}"),
@@ -45,7 +45,7 @@ def _ends_upward(cell: Cell) -> Verdict:
     if "end" not in cell.event.causes or not _under_way(cell, cell.world.ended_in):
         return None
     if cell.world.ended_in == MANUAL_DRIVING:
-        return None  # whoever moves the stick keeps it
+        return None  # the stick continues to drive
     goals = (SURFACING, SURFACED) if cell.world.sea.depth < AT_SURFACE else (SURFACING,)
     return wrong(
         (cell.state not in goals, f"the state is {cell.state}"),
@@ -54,14 +54,14 @@ def _ends_upward(cell: Cell) -> Verdict:
 
 
 def _sinks_again(cell: Cell) -> bool:
-    """Out of surfaced, and nobody will be there to bring it up."""
+    """Whether the program ends at once in surfaced while the vehicle is under water again."""
     deep = cell.world.sea.depth >= AT_SURFACE and cell.configuration.auto
     return "last" in cell.event.causes and cell.world.ended_in == SURFACED and deep
 
 
 def _ends_at_rest(cell: Cell) -> Verdict:
-    """No thruster is turned, and where it can be left alone the program may go. Deep, the stick
-    does not leave it."""
+    """At rest no thruster turns, and the program may end where the vehicle can be left alone. A
+    vehicle that the stick leaves deep is brought up."""
     if "end" not in cell.event.causes or _under_way(cell, cell.world.ended_in):
         return None
     if _sinks_again(cell):
@@ -78,13 +78,13 @@ def _ends_at_rest(cell: Cell) -> Verdict:
 
 
 def _is_deep(cell: Cell) -> bool:
-    """As it is believed, and nobody has told it to go at once."""
+    """Whether the believed depth is deep, and the program was not told to end at once."""
     deep, state = cell.world.sea.depth > DEEP_REST, cell.world.engine.core.vehicle_state
     return deep and state.depth is not None and "last" not in cell.event.causes
 
 
 def _last_words(cell: Cell) -> Verdict:
-    """X0 and U12 under water, and nothing after them."""
+    """Under water the last commands are X0 and U12, and nothing follows them."""
     under_way = _under_way(cell, cell.world.ended_in) or _sinks_again(cell)
     if "last" not in cell.event.causes or not under_way:
         return None

@@ -1,9 +1,9 @@
-"""Events, the others: every reading, every answer, time, a restart; and all of them in one table.
+"""The other events: every reading, every answer, time, a restart; and the table of all events.
 
-What a sensor says goes into an ``@SD``. An event is played in every configuration, also where it
-cannot do anything: then that is the law.
+Readings come in the vehicle's report. Every event is played in every configuration. Where it must
+not do anything, the laws ask just that.
 
-What does not live here: what operators say (commands), limits (limit_events), what must follow
+What does not live here: what operators send (commands), limits (limit_events), what must follow
 (laws).
 """
 
@@ -43,7 +43,7 @@ from protocol.messages import SetSafety
 from protocol.operator_words import WORDS
 from protocol.topside import encode
 
-PROVED = 9.0  # s: six of a shallow depth (R7), and the reports beside them
+PROVED = 9.0  # s: 6 s of a shallow depth (R7), and the reports before and after
 
 # --- readings ------------------------------------------------------------------------------
 
@@ -59,7 +59,7 @@ def _missing(field: str, seconds: float = 8.9) -> Play:
 def _absurd(attribute: str, value: float) -> Play:
     def play(world: World) -> None:
         setattr(world.sea, attribute, value)
-        world.report()  # a handler whose time is up before the next had a reading
+        world.report()  # so that a handler that is due before the next report has the reading
         world.wait(8.9)
 
     return script(play)
@@ -104,7 +104,7 @@ def _fixes(world: World) -> None:
 
 
 def _one_too_deep(world: World) -> None:
-    """A single sample beyond the bound: less than R5 asks for."""
+    """One sample beyond the bound, which is too few for the limit to act (R5)."""
     depth, period = world.sea.depth, world.line.period
     world.wait(period - world.now % period + 0.05 * period)
     world.sea.depth = depth + 1.0
@@ -227,7 +227,7 @@ def _leg_ends(world: World, configuration: Configuration, chart: Chart) -> None:
 
 
 def _minute(*, deep: bool) -> Play:
-    """Of silence; the vehicle is heard again just before its end."""
+    """A minute without reports; they come again just before its end."""
 
     def play(world: World) -> None:
         world.reports = False
@@ -255,7 +255,7 @@ def _rises(world: World) -> None:
 
 
 def _rises_by_thrust(world: World) -> None:
-    """Not at once: the second time, where the same bytes say W."""
+    """Rise by full thrust, not by W. If both have the same bytes, rise in the second round."""
     world.answers = "Y"
     world.put(world.deep)
     world.say(b"@ZAWF$")
@@ -298,7 +298,7 @@ def _ends(*, deep: bool) -> Play:
         world.put(world.deep if deep else SHALLOW)
         world.wait(8.5)
         world.end()
-        world.wait(1.0 if deep else PROVED + STAYS_UP)  # whether it floats is seen first
+        world.wait(1.0 if deep else PROVED + STAYS_UP)  # the program first sees whether it floats
 
     return script(play)
 
@@ -348,12 +348,12 @@ EVENTS: Table[str, Event] = Table(
 
 @derived(EVENTS, WORDS)
 def events() -> tuple[Event, ...]:
-    """Those of the table, and those of the operator's words that none of it says."""
+    """Return the events of the table, and those of operator commands that have no row."""
     said = {event.command for event in EVENTS.values()}
     more = (of_word(word) for word in WORDS.values() if word.code not in said)
     return (*EVENTS.values(), *itertools.chain.from_iterable(more))
 
 
 def events_of(line: Line) -> list[Event]:
-    """Those that can happen to its vehicle."""
+    """Return the events that can happen to the vehicle of this line."""
     return [event for event in events() if event.needs <= line.has]

@@ -1,9 +1,9 @@
-"""Inputs that open a leg's first exit: the readings that it waits for.
+"""Inputs that open a leg's first exit: the readings that the leg waits for.
 
-Of the variables that a guard may name, those that one report or the run itself decides; an exit
-that asks for another one (a position, a current) is not brought about here, but by simulation.
+Only variables of a guard that one report or the run itself decides can be set here. Exits that ask
+for another variable (a position, a current) are tried in simulation.
 
-What does not live here: that the exit is then taken, and by its rounds (proof_laws).
+What does not live here: the laws that the exit is then taken, and by its rounds (proof_laws).
 """
 
 from __future__ import annotations
@@ -23,8 +23,8 @@ from mission.model import (
 from mission.verification.exhaustive.cell import Configuration
 from mission.verification.exhaustive.world import World
 
-BEYOND = 0.2  # of the variable's unit; an angle is met where it is asked for
-WAIT = 9.0  # s: what jumps is believed at its third report
+BEYOND = 0.2  # beyond the guard's bound, in the variable's unit
+WAIT = 9.0  # s: a reading that jumps is believed at its third report
 
 
 def _depth(world: World, value: float) -> None:
@@ -61,7 +61,7 @@ _BRING: Mapping[str, Callable[[World, float], None]] = MappingProxyType(
 
 
 def wish(configuration: Configuration, chart: Chart) -> Guard | None:
-    """The leg's first exit, if its readings can be brought about; else None."""
+    """Return the guard of the leg's first exit; None if its readings cannot be set here."""
     if configuration.region != "autonomous":
         return None
     for edge in chart.leaving(configuration.leaf):
@@ -87,7 +87,7 @@ def come_true(world: World, configuration: Configuration, chart: Chart) -> None:
 
 
 def end_leg(world: World, configuration: Configuration, chart: Chart) -> None:
-    """The active leg's time is up in a moment."""
+    """Let the time of the active leg be up in 0.05 s."""
     if configuration.region != "autonomous":
         return
     leg = chart.state(configuration.leaf).leg

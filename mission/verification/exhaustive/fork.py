@@ -1,9 +1,9 @@
-"""Copies a runtime with everything that decides what it does next, in a fraction of a ms.
+"""Copy a runtime with everything that decides what it does next, in a fraction of a ms.
 
-What can change is copied, what cannot is shared: frozen values, tables, functions. The whole is
-gone through once and kept as a recipe: shells to be made, then what goes into each. The engine has
-its own snapshot, which shares machine and navigation: of all copies, the one that was made last is
-the one that may be used.
+Objects that can change are copied. Those that cannot are shared: frozen values, tables, functions.
+The object graph is walked once and kept as a recipe: empty objects to create, then the content of
+each. The engine has its own snapshot, which shares machine and navigation. So only the copy that
+was made last may be used.
 
 What does not live here: what a copy is used for (run).
 """
@@ -24,12 +24,13 @@ from protocol.fields import FrameType
 T = TypeVar("T")
 _OURS = ("mission.", "protocol.")
 _Key = Any
-_Link = tuple[_Key, int, FunctionType | None]  # the part's place, its shell, a method of it
+_Link = tuple[_Key, int, FunctionType | None]  # a part's key, its node, or a method of that
 
 
 @dataclasses.dataclass(slots=True)
 class _Node:
-    """``make`` gives the shell, ``fill`` puts into it what is shared and what is linked."""
+    """One object of the recipe: ``make`` creates it empty (the shell), ``fill`` puts the shared
+    and the linked parts into it."""
 
     make: Callable[[], Any]
     fill: Callable[[Any, list[tuple[_Key, Any]]], None]
@@ -37,12 +38,12 @@ class _Node:
 
 
 class Fork(Generic[T]):
-    """``whole`` as it is now; ``copy`` gives it again, any number of times."""
+    """The state of ``whole`` now; ``copy`` recreates it any number of times."""
 
     def __init__(self, whole: T) -> None:
         self._nodes: list[_Node] = []
         self._places: dict[int, int] = {}
-        self._whole = whole  # so that no place is given away
+        self._whole = whole  # kept alive, so that no id() is used again
         self._note(whole)
 
     def copy(self) -> T:
@@ -58,7 +59,7 @@ class Fork(Generic[T]):
         return cast("T", shells[0])
 
     def _note(self, value: Any) -> int:
-        """The number of the value's node."""
+        """Return the number of the value's node, which is made if it is new."""
         if (place := self._places.get(id(value))) is not None:
             return place
         place = self._places[id(value)] = len(self._nodes)
@@ -83,7 +84,7 @@ class Fork(Generic[T]):
         return place
 
     def _parts(self, items: Iterable[tuple[_Key, Any]], node: _Node) -> dict[_Key, Any]:
-        """What of it is shared; the rest becomes links."""
+        """Return the parts that are shared, by key; the others become links of the node."""
         shared = {}
         for key, value in items:
             if isinstance(value, MethodType):

@@ -1,11 +1,11 @@
-"""Laws of the states: rows of name, source, and what is asked of a cell.
+"""Laws of the states: rows of a name, a source, and a function that judges a cell.
 
-A law answers None where it says nothing about a cell, "" where it holds, else what is wrong. It is
-written from the design and the rules alone, never from what the engine does. All are asked at
-the runtime, of bytes, Steps and states: R3-R14 and the states of docs/design.md.
+A law returns None if it does not apply to a cell, "" if it holds, else what is wrong. It is written
+from the design and the rules alone, never from what the engine does. All laws judge the bytes,
+Steps and states of the runtime: R3-R14 and the states of docs/design.md.
 
-What does not live here: laws of legs against limits and readings (leg_laws), of what operators
-are answered (operator_laws).
+What does not live here: laws of legs against limits and readings (leg_laws), of the answers to
+operators (operator_laws).
 """
 
 from __future__ import annotations
@@ -30,10 +30,10 @@ from mission.model import (
 from mission.verification.exhaustive.cell import Cell
 from mission.verification.exhaustive.lines import ANSWERS, HELD, LET_GO, WATER, X, surface_word
 
-_AGAIN = re.compile(r" \((?:try )?\d of \d\)$")  # what is said again (R1, R18)
-_AWAKE = "neutral"  # what the reason of keeping a board awake begins with (R16)
+_AGAIN = re.compile(r" \((?:try )?\d of \d\)$")  # the end of a repeated frame's reason (R1, R18)
+_AWAKE = "neutral"  # the beginning of the reason of a frame that keeps a board awake (R16)
 STICK_QUIET = 2.0  # s (R6)
-AT_ONCE = 0.1  # s: X and W have left (R7)
+AT_ONCE = 0.1  # s within which X and W have left (R7)
 AT_SURFACE = 0.5  # m (R7)
 DEEP_REST, RISE_TIME = 2.0, 20.0  # m, s (R7)
 
@@ -42,8 +42,8 @@ Verdict = str | None
 
 @dataclass(frozen=True, slots=True)
 class Law:
-    """``of_legs``: it asks about a kind of leg, which not every mission has; ``needs``: about what
-    not every vehicle has (lines)."""
+    """``of_legs``: the law is about a kind of leg, which not every mission has. ``needs``: what a
+    vehicle must have for the law to apply (lines)."""
 
     name: str
     source: str
@@ -53,13 +53,14 @@ class Law:
 
 
 def stays_down(cell: Cell) -> bool:
-    """In stopped and over 2 m deep for as long as X leaves a vehicle to its buoyancy (R7)."""
+    """Whether the vehicle was in stopped for 20 s, its time to rise by buoyancy, and is over 2 m
+    deep (R7)."""
     since = max((t for t, state in cell.world.states if state == STOPPED), default=math.inf)
     return cell.world.sea.depth > DEEP_REST and cell.world.now - since >= RISE_TIME
 
 
 def wrong(*faults: tuple[bool, str]) -> str:
-    """The words of the first fault that holds, "" if none does."""
+    """Return the text of the first fault that is so, "" if none is."""
     return next((words for is_so, words in faults if is_so), "")
 
 
@@ -73,7 +74,7 @@ def _order(letter: str, target: str) -> Callable[[Cell], Verdict]:
         frame = X if letter == "X" else surface_word(cell.line)
         left = cell.frames(b"@ZA")
         late = not left or left[0].t > cell.before.t + AT_ONCE
-        burst = cell.event.path == "tender"  # something was said just before
+        burst = cell.event.path == "tender"  # the boat sent a command just before
         return wrong(
             (cell.world.at_once not in (target, SURFACED), f"the state is {cell.world.at_once}"),
             (not left or left[0].data != frame, f"{left[:1]} left for the vehicle first"),
@@ -92,7 +93,7 @@ def _answered(cell: Cell) -> Verdict:
 
 
 def _taken(cell: Cell) -> bool:
-    """Whether an M may take over (R6, R12); an emergency by a push alone."""
+    """Whether an M may take over (R6, R12); an emergency is taken over only by a push."""
     if cell.configuration.region != "emergency":
         return cell.event.path in ("boat", "push", "waited")
     silent = min(cell.before.stick_age, cell.before.emergency_age)
@@ -100,7 +101,7 @@ def _taken(cell: Cell) -> bool:
 
 
 def _has_word(cell: Cell) -> bool:
-    """Whether the board has frames for this M; for another one nothing changes (R14)."""
+    """Whether the board has frames for this M. An M without a frame changes nothing (R14)."""
     return not cell.event.word or cell.line.steers(cell.event.word)
 
 
@@ -120,7 +121,7 @@ def _stick(cell: Cell) -> Verdict:
 
 
 def _no_z_under_the_stick(cell: Cell) -> Verdict:
-    """From the first M on, and while the vehicle was driven before."""
+    """No Z leaves from the first M on, nor while the stick drove the vehicle before."""
     if cell.event.causes - {"M"} or not (
         (cell.event.command.startswith("M") and _taken(cell) and _has_word(cell))
         or cell.configuration.state == MANUAL_DRIVING
@@ -128,13 +129,13 @@ def _no_z_under_the_stick(cell: Cell) -> Verdict:
         return None
     if cell.state != MANUAL_DRIVING:
         return None
-    driven = min((m.t for m in cell.frames(b"@M")), default=0.0)  # a push is two words
+    driven = min((m.t for m in cell.frames(b"@M")), default=0.0)  # a push is two M
     words = [z for z in cell.frames(b"@ZA") if z.t >= driven]
     return wrong((bool(words), f"{words[:1]} under the stick"))
 
 
 def _stick_let_go(cell: Cell) -> Verdict:
-    """2 s of silence: X0, and waiting."""
+    """After 2 s without M, X0 leaves and the state is waiting."""
     if cell.configuration.state != MANUAL_DRIVING or cell.event.causes:
         return None
     if cell.world.now - cell.before.t < STICK_QUIET:
@@ -163,7 +164,7 @@ def _forgotten(cell: Cell) -> Verdict:
 # --- the map of the states ----------------------------------------------------------------------
 
 _STATES = (IDLE_EMPTY, IDLE_READY, MANUAL_DRIVING, MANUAL_WAITING, STOPPED, SURFACING, SURFACED)
-# What may lead from a region to another; "" is the mission's own way, or time.
+# The causes that may lead from one region to another; "" is the mission's own way, or time.
 _LIMITED = frozenset({"limit", "blind", "silence", "deaf", "sinks"})
 _SINKING = frozenset({"sinks", "deeper"})  # from rest
 _MOVES: dict[tuple[str, str], frozenset[str]] = {
@@ -195,19 +196,20 @@ def _moves(cell: Cell) -> Verdict:
         causes = _MOVES.get((here, there), frozenset())
         deaf = not cell.configuration.quiet and (here, there) == ("autonomous", "emergency")
         if (here, there) == ("manual", "idle") and WATER not in cell.line.has:
-            causes |= {"AA"}  # to its last leg, and at the surface is what drives at once
+            causes |= {"AA"}  # to the last leg, which ends at once for a vehicle on land
         if not (causes & cell.event.causes or "" in causes or deaf):
             return f"{here} -> {there}: {cell.world.engine.reason}"
     return ""
 
 
 def _emergency(cell: Cell) -> Verdict:
-    """R7's ways alone: stopped and surfaced by @AC, any by M; X and W between; surfaced at last."""
+    """An emergency is left only as R7 says: stopped and surfaced by @AC, all by M. X and W change
+    between them, and an ascent ends in surfaced."""
     allowed = {
         (SURFACING, SURFACED): frozenset({""}),
         (STOPPED, IDLE_EMPTY): frozenset({"AC"}),
         (SURFACED, IDLE_EMPTY): frozenset({"AC"}),
-        (SURFACED, SURFACING): frozenset({"last"}),  # deep again, and nobody will be there
+        (SURFACED, SURFACING): frozenset({"last"}),  # deep again as the program ends
     }
     asked = None
     for here, there in pairwise(cell.states):
@@ -217,20 +219,20 @@ def _emergency(cell: Cell) -> Verdict:
         causes = allowed.get((here, there), frozenset())
         causes |= {STOPPED: {"X"}, SURFACING: {"W"}, MANUAL_DRIVING: {"M"}}.get(there, set())
         if "restart" in cell.event.causes:
-            continue  # another program: end_laws
+            continue  # a new program: end_laws
         if there == SURFACING and cell.event.causes & ({"limit"} | _SINKING):
             continue
         if (here, there) == (STOPPED, SURFACING) and stays_down(cell):
             continue
         if (here, there) == ("manual", "idle") and WATER not in cell.line.has:
-            causes |= {"AA"}  # to its last leg, and at the surface is what drives at once
+            causes |= {"AA"}  # to the last leg, which ends at once for a vehicle on land
         if not (causes & cell.event.causes or "" in causes):
             return f"{here} -> {there}"
     return "" if cell.configuration.region == "emergency" else asked
 
 
 def _recorded(cell: Cell) -> Verdict:
-    """Every change of state stands in a Step that left the one and entered the other."""
+    """Every change of state is recorded in a Step that leaves the old and enters the new state."""
     if "restart" in cell.event.causes:
         return None
     at = cell.configuration.state
@@ -245,7 +247,7 @@ def _recorded(cell: Cell) -> Verdict:
 
 
 def _under_way(cell: Cell) -> Verdict:
-    """What the store would tell after a restart."""
+    """A mission or an emergency is stored as under way for a restart; idle is not."""
     kept = cell.world.store.content.under_way
     region = cell.region if cell.event.path != "whole" else kept.partition("/")[0]
     if region == "manual" and not cell.configuration.leaf:
@@ -259,11 +261,11 @@ def _under_way(cell: Cell) -> Verdict:
     )
 
 
-# --- what leaves ------------------------------------------------------------------------------
+# --- what is sent -----------------------------------------------------------------------------
 
 
 def _reasons(cell: Cell) -> Verdict:
-    """Every command stands in a Step with the same reason, or passes an operator's frame on."""
+    """Every command is in a Step with the same reason, or relays an operator's frame."""
     if not cell.frames():
         return None
     known = {words.split(": ", 1)[1] for s in cell.world.notes.steps for words in s.actions}
@@ -278,7 +280,7 @@ def _reasons(cell: Cell) -> Verdict:
 
 
 def _after_stopped(cell: Cell) -> Verdict:
-    """Nothing but X0 until its ACK, and what an operator asked for since."""
+    """After stopped, only X0 and what operators asked for leaves."""
     if cell.configuration.state != STOPPED:
         return None
     if cell.event.causes & {"W", "M", "restart"} or SURFACING in cell.states:
@@ -289,7 +291,7 @@ def _after_stopped(cell: Cell) -> Verdict:
 
 
 def _stop_repeats(cell: Cell) -> Verdict:
-    """X0 leaves again at least every 500 ms until it is acknowledged, and then no more."""
+    """X0 leaves at least every 500 ms until it is acknowledged, and then no longer."""
     if cell.event.name != "X, answered late":
         return None
     times = [t.t - cell.before.t for t in cell.frames(X)]
@@ -302,7 +304,7 @@ def _stop_repeats(cell: Cell) -> Verdict:
 
 
 def _quiet_idle(cell: Cell) -> Verdict:
-    """In idle, nothing leaves that nobody asked for."""
+    """In idle, no Z leaves unasked."""
     if cell.configuration.region != "idle" or cell.region != "idle" or len(cell.states) > 1:
         return None
     if cell.event.causes & {"restart", "line"}:
@@ -311,8 +313,8 @@ def _quiet_idle(cell: Cell) -> Verdict:
 
 
 def _line_was_away(cell: Cell) -> Verdict:
-    """What was acknowledged meanwhile need not have been heard: a stop and a leg's set are said
-    again (an ascent says its own all the time). Nothing else leaves."""
+    """After the line was disconnected, a stop, a leg's set and an ascent's command are sent again,
+    since the board need not have received what was acknowledged. Nothing else leaves."""
     if "line" not in cell.event.causes or cell.region != cell.configuration.region:
         return None
     left = [t.data for t in cell.frames(b"@Z")]
@@ -326,7 +328,7 @@ def _line_was_away(cell: Cell) -> Verdict:
 
 
 def _to_the_surface(cell: Cell) -> Verdict:
-    """From everywhere: W, and whichever way makes it rise, to X0 at the surface (R7)."""
+    """From everywhere, W leads to the surface by whichever way works, and there to X0 (R7)."""
     if cell.event.path != "rises":
         return None
     last = cell.frames(b"@Z")[-1:]
@@ -337,7 +339,7 @@ def _to_the_surface(cell: Cell) -> Verdict:
 
 
 def _comes_up_alone(cell: Cell) -> Verdict:
-    """Without operator and reports, whoever is under way or was left by the stick surfaces."""
+    """Without operator and reports, a vehicle under way or left by the stick surfaces."""
     if "silence" not in cell.event.causes and cell.event.limit != "telemetry":
         return None
     c = cell.configuration
@@ -349,7 +351,7 @@ def _comes_up_alone(cell: Cell) -> Verdict:
 
 
 def _implicit_end(cell: Cell) -> Verdict:
-    """The mission's end: out of the implicit leg alone, with everything stopped."""
+    """A mission ends only out of the implicit leg, with everything stopped."""
     ended = [
         step for step in cell.steps if step.trigger != "auto off" and IDLE_READY in step.entered
     ]

@@ -1,6 +1,6 @@
 """Laws of legs: limits and readings, refused and unanswered commands, time, and the whole set.
 
-What does not live here: the states' own laws (laws), which legs a chart has (the compiler).
+What does not live here: the laws of the states (laws), which legs a chart has (the compiler).
 """
 
 from __future__ import annotations
@@ -28,14 +28,14 @@ from mission.verification.exhaustive.cell import Cell
 from mission.verification.exhaustive.laws import Law, Verdict, wrong
 from mission.verification.exhaustive.lines import ANSWERS, THRUSTERS, WATER
 
-_AHEAD = 4 / 12  # share of full thrust: slower, the course over ground tells nothing
+_AHEAD = 4 / 12  # share of full thrust; below it the course over ground shows nothing
 _OFF = 2.0  # m (limits: no progress)
 _TRIES = 3  # R1
-_PERIOD, _BLIND, _LATE = 2.0, 6.0, 0.1  # s: between reports; without a reading (design: the states)
+_PERIOD, _BLIND, _LATE = 2.0, 6.0, 0.1  # s: of reports; without a reading (design: the states)
 _LOST = 3  # R8
 _SEEN = 0.5  # m: noise of a depth and an altitude
 _UNHEARD = ECHOES_MISSED + 2 * _PERIOD
-# What a guard asks about, by the sensor without which it is not known.
+# The variables of guards, by the sensor without which they are unknown.
 _OF = {
     "depth": frozenset({"depth", "depth_rate"}),
     "altitude": frozenset({"altitude"}),
@@ -50,7 +50,7 @@ _OF["all"] = frozenset().union(*_OF.values())
 
 
 def _thrust(cell: Cell) -> bool:
-    """Something certainly turns: a leg that states it."""
+    """Whether a thruster certainly turns, because the leg states thrust."""
     leg = cell.leg
     s = leg.setpoint if leg is not None else None
     if s is None or leg is None or leg.leg is None:
@@ -59,7 +59,7 @@ def _thrust(cell: Cell) -> bool:
 
 
 def _left(cell: Cell) -> list[Step]:
-    """Ways out of the leg; one that leads back into it, for its next round, is one, too."""
+    """Return the Steps that leave the leg, those into its own next round included."""
     return [s for s in cell.steps if cell.configuration.leaf in s.exited]
 
 
@@ -68,7 +68,7 @@ def _stayed(cell: Cell) -> bool:
 
 
 def _real(cell: Cell) -> bool:
-    """Whether the limit's breach is one in this leg (the others are one everywhere)."""
+    """Whether the event breaches the limit in this leg; most limits do not depend on the leg."""
     leg, limit = cell.leg, cell.event.limit
     kept = cell.configuration.quiet and _until_emergency(cell)
     state = leg.setpoint if leg is not None else None
@@ -77,7 +77,7 @@ def _real(cell: Cell) -> bool:
         return kept and plain and state is not None and state.heading is not None
     if limit == "no progress":
         if state is None or state.depth is None or state.altitude is not None:
-            return False  # above the bottom it is told a shallower one
+            return False  # above the bottom the vehicle is sent a shallower depth
         return kept and plain and abs(state.depth - cell.world.deep) > _OFF
     if limit == "course against heading":
         return kept and plain and state is not None and state.surge >= _AHEAD
@@ -91,12 +91,12 @@ def _real(cell: Cell) -> bool:
 
 
 def _until_emergency(cell: Cell) -> bool:
-    """The leg was not left by a way of its own."""
+    """Whether no exit of the leg led to another leg."""
     return not any(s.entered[-1].startswith("autonomous") for s in _left(cell) if s.entered)
 
 
 def _unanswered(cell: Cell) -> int:
-    """The longest run of Z frames that left three times and got no answer, X and W included."""
+    """Return the longest run of Z frames, X and W included, that left three times unanswered."""
     run = longest = tries = 0
     for tx in cell.frames(b"@ZA"):
         tries = tries + 1 if f"try {tries + 1} of" in tx.reason else 1
@@ -107,8 +107,8 @@ def _unanswered(cell: Cell) -> int:
 
 
 def _limits(cell: Cell) -> Verdict:
-    """R5, R8: a breach while autonomous surfaces; at rest, the stick let go, the hard depth and a
-    descent do; nothing else leaves the region."""
+    """R5, R8: every breach in autonomous leads to an emergency. At rest and after the stick was
+    let go, the hard depth and a descent surface; nothing else leaves the region."""
     limit, region = cell.event.limit, cell.configuration.region
     if not limit or limit == "uncertain":
         return None
@@ -119,7 +119,7 @@ def _limits(cell: Cell) -> Verdict:
         return wrong((cell.state != SURFACING, f"{limit}: the state is {cell.state}"))
     acts = region == "autonomous"
     if not acts:
-        left = region == "manual" and (everywhere or "minute" in cell.event.causes)  # once let go
+        left = region == "manual" and (everywhere or "minute" in cell.event.causes)  # let go
         same = cell.region == region or left
         return wrong((not same, f"{limit} acts in {region}: {cell.state}"))
     ends_at_once = cell.configuration.leaf == IMPLICIT_SURFACE and WATER not in cell.line.has
@@ -129,7 +129,7 @@ def _limits(cell: Cell) -> Verdict:
 
 
 def _latched(cell: Cell) -> Verdict:
-    """R7: a further limit does not begin the surfacing anew, nor ends it."""
+    """R7: a further limit neither restarts nor ends a surfacing."""
     if not cell.event.limit or cell.configuration.state != SURFACING:
         return None
     moved = [s.trigger for s in cell.steps if s.trigger and s.trigger != "surfaced"]
@@ -137,7 +137,8 @@ def _latched(cell: Cell) -> Verdict:
 
 
 def _uncertain(cell: Cell) -> Verdict:
-    """R5: not sure to be within the radius: the mission's own way, no emergency."""
+    """R5: where only the 95 % bound reaches the radius, the mission's ``on uncertain`` is taken,
+    once."""
     if cell.event.limit != "uncertain" or cell.configuration.region != "autonomous":
         return None
     if cell.configuration.leaf == IMPLICIT_SURFACE or not cell.configuration.quiet:
@@ -153,7 +154,7 @@ def _uncertain(cell: Cell) -> Verdict:
 
 
 def _brown_out(cell: Cell) -> Verdict:
-    """R8: before the emergency, the whole set leaves once more."""
+    """R8: after a brown-out the whole set leaves once more, before the emergency."""
     if cell.event.limit != "brown-out" or cell.leg is None or not _real(cell):
         return None
     again = [s for s in cell.steps if s.actions and "brown-out" in s.actions[0] and not s.trigger]
@@ -164,8 +165,8 @@ def _brown_out(cell: Cell) -> Verdict:
 
 
 def _kept_above(cell: Cell) -> Verdict:
-    """R5: a depth that is kept above the bottom is no deeper than that allows, as far as an
-    altitude is known; without one, no deeper than the assumed floor allows."""
+    """R5: a depth above the bottom is no deeper than the altitude allows; without a known altitude,
+    no deeper than the assumed floor allows."""
     held = cell.leg.setpoint if cell.leg is not None else None
     if held is None or cell.leg is None or not is_guarded(held) or cell.state != cell.leg.path:
         return None
@@ -185,7 +186,7 @@ def _kept_above(cell: Cell) -> Verdict:
 
 
 def _can_hold(expression: Expression, unknown: frozenset[str], wanted: bool = True) -> bool:
-    """Whether it could be ``wanted`` while nothing is known of these (Kleene)."""
+    """Whether an expression could be ``wanted`` while these variables are unknown (Kleene)."""
     if isinstance(expression, Comparison | Trend | Back):
         return unknown.isdisjoint(expression.asks)
     if isinstance(expression, Not):
@@ -196,7 +197,7 @@ def _can_hold(expression: Expression, unknown: frozenset[str], wanted: bool = Tr
 
 
 def _unknown(cell: Cell) -> Verdict:
-    """Unknown never opens an exit."""
+    """A guard that is unknown never opens an exit."""
     if not cell.event.sensor:
         return None
     unknown, since = _OF[cell.event.sensor], cell.before.t + cell.event.after
@@ -214,7 +215,7 @@ def _unknown(cell: Cell) -> Verdict:
 
 
 def _blind(cell: Cell) -> Verdict:
-    """A reading that the leg's set needs is not known for 6 s: the leg is left."""
+    """A leg is left when a reading that its set needs is unknown for 6 s."""
     leg, sensor = cell.leg, cell.event.sensor
     if leg is None or leg.leg is None or leg.setpoint is None or sensor == "temperature":
         return None
@@ -234,7 +235,7 @@ def _blind(cell: Cell) -> Verdict:
 
 
 def _refused(cell: Cell) -> Verdict:
-    """R8: a Z of the leg's set that is answered N: the leg's else."""
+    """R8: if a Z of the leg's set is answered N, the leg's else follows."""
     if cell.event.name != "ACK N" or cell.leg is None or cell.configuration.quiet:
         return None
     if cell.leg.leg is None or cell.ascends:
@@ -247,7 +248,7 @@ def _refused(cell: Cell) -> Verdict:
 
 
 def _lost(cell: Cell) -> Verdict:
-    """R8: three Z in succession that nobody answered: surfacing."""
+    """R8: after three unanswered Z in succession the vehicle surfaces."""
     if cell.configuration.region != "autonomous" or _unanswered(cell) < _LOST:
         return None
     if "emergency" not in (s.partition("/")[0] for s in cell.states[1:]):
@@ -259,7 +260,7 @@ def _lost(cell: Cell) -> Verdict:
 
 
 def _timed(cell: Cell) -> Verdict:
-    """A leg is left when its time is up, whatever is known."""
+    """A leg is left when its time is up, whatever the readings."""
     if cell.event.name != "the leg's time is up" or cell.leg is None or cell.leg.leg is None:
         return None
     if cell.leg.leg.timeout is None and cell.leg.leg.duration is None:
@@ -268,7 +269,7 @@ def _timed(cell: Cell) -> Verdict:
 
 
 def _whole_set(cell: Cell) -> Verdict:
-    """On entry of a leg its complete set leaves, in order."""
+    """On entry of a leg, its complete set leaves, in order."""
     entries = [s for s in cell.steps if s.entered and s.entered[-1].startswith("autonomous")]
     if not entries or cell.event.path == "whole" or cell.world.answers != "Y":
         return None
@@ -291,7 +292,7 @@ def _whole_set(cell: Cell) -> Verdict:
 
 
 def _rounds_go_on(cell: Cell) -> Verdict:
-    """Back into an interrupted leg, its rounds are as they were (design: history)."""
+    """After an interruption, a leg's rounds are as before (design: history)."""
     c = cell.configuration
     if cell.event.name != "AA" or c.region != "manual" or not c.rounds:
         return None

@@ -1,4 +1,4 @@
-"""Events, the rows of limits: what each limit of the table watches for comes to pass.
+"""Events that breach each limit of the table.
 
 What does not live here: readings, answers and time (events), what must follow (laws).
 """
@@ -45,7 +45,7 @@ def _pushes_in_vain(world: World) -> None:
 
 
 def sinks(metres: float, reports: int) -> Play:
-    """So much deeper in each 2 s, so often."""
+    """Sink ``metres`` in each 2 s, ``reports`` times."""
 
     def play(world: World) -> None:
         world.wait(2.0)
@@ -78,7 +78,7 @@ def _spoilt(world: World) -> None:
 
 
 def _own_depth(world: World, configuration: Configuration, chart: Chart) -> None:
-    """The mission's, though @SP allows more."""
+    """Go beyond the mission's own depth, though the operator's limit (@SP) allows more."""
     world.say(encode(SetSafety(depth=60000.0)))
     own, hard = chart.mission.safety, world.vehicle.limits
     bound = hard.depth if own is None or own.depth is None else min(own.depth, hard.depth)
@@ -106,7 +106,7 @@ def _low(world: World) -> None:
 
 
 def _turns_away(world: World, configuration: Configuration, chart: Chart) -> None:
-    """From the heading that the leg holds, if it does."""
+    """Turn away from the heading that the leg holds; from 0 if it holds none."""
     state = chart.state(configuration.leaf) if configuration.leaf else None
     held = state.setpoint.heading if state is not None and state.setpoint is not None else None
     for number in range(10):
@@ -140,7 +140,8 @@ def _doubts(world: World) -> None:
 
 
 def _area(name: str, out: bool, off: float, half: float) -> Play:
-    """A square ``off`` m east of where it is, as if the mission had named it."""
+    """Set a square area ``off`` m east of the vehicle, as if the mission had named it. ``half``:
+    half of its side, m."""
 
     def play(world: World) -> None:
         here = world.engine.estimate

@@ -1,4 +1,4 @@
-"""Laws of the serial line: what leaves in which state, how often, and how far apart.
+"""Laws of the serial line: what leaves in which state, how often, and with which gap.
 
 What does not live here: why a frame leaves (laws), which set a leg has (leg_laws).
 """
@@ -19,13 +19,13 @@ _ANSWER = 0.3  # s (R1)
 _TRIES = 3  # R1
 _EPS = 1e-6
 BITS_PER_BYTE = 10  # 8N1
-_SLACK = 0.03  # s: what is on the line
-_HALVES = 0.15  # s: an answer, and what is on the line
+_SLACK = 0.03  # s for what is on the line
+_HALVES = 0.15  # s for an answer and what is on the line
 
 
 def _sent_in(cell: Cell, state: str) -> Iterator[Tx]:
-    """What left for the vehicle while it was in this state, from the frame of its entry on; by the
-    order in which it left, because another input of the same instant may have come before."""
+    """Yield what left for the vehicle in this state, from the frame of its entry on. The order in
+    which frames left decides, not the time: one instant may have had several inputs."""
     world, before = cell.world, cell.before
     taken = zip(world.left[before.states :], world.states[before.states :], strict=True)
     spans = [(before.sent, (-1.0, cell.configuration.state)), *taken, (len(world.sent), (-1.0, ""))]
@@ -36,13 +36,13 @@ def _sent_in(cell: Cell, state: str) -> Iterator[Tx]:
 
 
 def _before_the_order(left: list[Tx], t: float) -> int:
-    """How many of what left with the input of ``t`` did so before the X or W that it led to."""
+    """Return how many frames left with the input of ``t`` before its X or W."""
     first = next((i for i, tx in enumerate(left) if tx.data in (X, W)), 0)
     return first if left and left[first].t == t else 0
 
 
 def _only(cell: Cell, state: str, allowed: tuple[bytes, ...]) -> Verdict:
-    if "restart" in cell.event.causes:  # another line begins with another program
+    if "restart" in cell.event.causes:  # a new program begins with a new line
         return None
     sent = list(_sent_in(cell, state))
     if state not in cell.states:
@@ -53,7 +53,7 @@ def _only(cell: Cell, state: str, allowed: tuple[bytes, ...]) -> Verdict:
 
 
 def _stopped(cell: Cell) -> Verdict:
-    """After an X nothing of an earlier set follows, not even the rest of one that was half sent."""
+    """R7: after an X nothing of an earlier set follows, not even the rest of a set half sent."""
     return _only(cell, STOPPED, (X,))
 
 
@@ -66,7 +66,7 @@ def _surfaced(cell: Cell) -> Verdict:
 
 
 def _gap(cell: Cell) -> Verdict:
-    """Frames of one life of the program keep their gap; the next life's time begins at 0."""
+    """Frames keep their gap. A restart is left out, since the new program's time begins at 0."""
     if "restart" in cell.event.causes or len(cell.frames()) < 2:
         return None
     found = crowded(cell.frames())
@@ -74,8 +74,8 @@ def _gap(cell: Cell) -> Verdict:
 
 
 def _one_outstanding(cell: Cell) -> Verdict:
-    """While nobody answers, a Z waits for the end of the one before; X and W, and what was said
-    by a stick that took over, do not wait."""
+    """R1: without an answer, a Z waits for the end of the one before. X and W do not wait; manual
+    and idle are left out."""
     if cell.event.name != "no ACK" or cell.configuration.region in ("manual", "idle"):
         return None
     for a, b in pairwise(t for t in cell.frames(b"@ZA") if t.t > cell.before.t + GAP_S):
@@ -85,7 +85,7 @@ def _one_outstanding(cell: Cell) -> Verdict:
 
 
 def _tries(cell: Cell) -> Verdict:
-    """A frame leaves three times at most for one command; X of a stop goes on by new commands."""
+    """R1: a frame leaves three times at most for one command. A stop repeats X by new commands."""
     again = [t for t in cell.frames(b"@ZA") if "(try " in t.reason]
     if not again:
         return None
@@ -95,7 +95,7 @@ def _tries(cell: Cell) -> Verdict:
 
 
 def _halves(cell: Cell) -> Verdict:
-    """Nothing gets between X0 and U12, whatever is relayed meanwhile."""
+    """R7: U12 follows X0 within _HALVES, whatever is relayed meanwhile."""
     thrust = [t for t in cell.frames(U12) if t.t > cell.before.t]
     if cell.event.path != "slider" or cell.world.answers != "Y" or not cell.configuration.quiet:
         return None
@@ -112,7 +112,7 @@ def _halves(cell: Cell) -> Verdict:
 
 
 def _paced(cell: Cell) -> Verdict:
-    """A board that acknowledges nothing is told again within its period, from the first frame
+    """A board that acknowledges nothing is sent a frame within each of its periods, from the first
     on."""
     board, said = cell.line.board, cell.world.paced
     if board is None or len(said) < 2 or "restart" in cell.event.causes:
@@ -122,7 +122,7 @@ def _paced(cell: Cell) -> Verdict:
 
 
 def _carried(cell: Cell) -> Verdict:
-    """A burst begins when the line has carried the one before it."""
+    """A burst begins only when the line has carried the one before."""
     board = cell.line.board
     if board is None or "restart" in cell.event.causes:
         return None

@@ -1,16 +1,16 @@
-"""What each vehicle's line is to this proof: the bytes that it reports in, and those it is told in.
+"""Each vehicle's line in this proof: the bytes of its reports and of the frames that it receives.
 
-    AUV        @SD every 2 s, an acknowledge of each Z; its words are those of the laws
+    AUV        @SD every 2 s, an acknowledgement of each Z; its commands are those of the laws
     a board    of documents 002 to 004: its own report, by the table of its codec and at its own
-               period; no acknowledge. What it is told is put in the words of the laws
+               period; no acknowledgement. Its frames are translated into the commands of the laws
 
-    what a frame means                                         its word
+    what a frame means                                         its word, as the laws read it
     X, full thrust upward, full thrust downward                @ZAX0$, @ZAU12$, @ZAD12$
     anything else that the engine asks for                     @ZA= and what moves
-    what the stick asks for, and neutral 600 ms behind it      @M= and what moves
-    nothing that moves: an output's own word                   @O= and the frame
+    what the stick asks for, and neutral 600 ms after it       @M= and what moves
+    the own command of an output, which moves nothing          @O= and the frame
 
-What does not live here: the sea (wire), when anything is said (world), what frames mean (speech).
+What does not live here: the sea (wire), when anything is sent (world), what frames mean (speech).
 """
 
 from __future__ import annotations
@@ -36,19 +36,20 @@ from protocol.vehicles.adapter import SilentBoard
 _Values = Callable[[Sea, Position, Tolerances], Mapping[str, Any]]
 X, W, U12, D12 = b"@ZAX0$", b"@ZAWF$", b"@ZAU12$", b"@ZAD12$"
 STICK, OUTPUT = b"@M=", b"@O="
-HELD = " (held)"  # what the reason of what is said again ends with
-LET_GO = "no M for 600 ms"  # what the reason of neutral behind a stick begins with
-# What an event, a way or a law may need of a vehicle, beside what its file says that it reports.
+HELD = " (held)"  # the end of the reason of a frame that repeats a command in force
+LET_GO = "no M for 600 ms"  # the beginning of the reason of neutral after the stick
+# What an event, a way or a law may need of a vehicle, besides the reports that its file lists.
 ANSWERS, WATER, GPS, THRUSTERS = "answers", "water", "gps", "thrusters"
-REPEATS = "repeats"  # what holds is said again and again
-NO_TEMPERATURE = "temperature unknown"  # its frame can say that none is known
-PUSHES = "pushes told"  # its reports say which way the verticals push
+REPEATS = "repeats"  # commands in force are sent repeatedly
+NO_TEMPERATURE = "temperature unknown"  # its report can leave the temperature unknown
+PUSHES = "pushes told"  # its reports show which way the vertical thrusters push
 
 
 class Line(Protocol):
-    """``board``: what repeats what holds; None: it acknowledges. ``word``: bytes that leave, in
-    the words of the laws; ``words``: those of a command; ``stops``: nothing turns behind it;
-    ``steers``: there are frames for this M."""
+    """A vehicle's line. ``board``: the codec of a board that is sent the command in force
+    repeatedly; None: the board acknowledges. ``word`` translates bytes that leave into the words
+    of the laws; ``words``: the words of a command; ``stops``: whether nothing turns after it;
+    ``steers``: whether there are frames for this M. ``period``: s between two reports."""
 
     @property
     def vehicle(self) -> Vehicle: ...
@@ -69,7 +70,7 @@ class Line(Protocol):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class AuvLine:
-    """The STM32's."""
+    """The line of the AUV's STM32."""
 
     vehicle: Vehicle
     codec: VehicleCodec
@@ -101,7 +102,7 @@ class AuvLine:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class BoardLine:
-    """That of a board of documents 002 to 004."""
+    """The line of a board of documents 002 to 004."""
 
     vehicle: Vehicle
     speech: Speech
@@ -127,11 +128,11 @@ class BoardLine:
         return b""
 
     def stops(self, word: bytes) -> bool:
-        """Under the stick, too."""
+        """Whether it is X, or what the stick sends to stop."""
         return word == X or word in [STICK + _shown(m) for m in self.speech.words[X]]
 
     def words(self, command: Setpoint | Order) -> tuple[bytes, ...]:
-        """() for what it cannot be told."""
+        """Return the words of a command; () if the board has no frame for it."""
         return tuple(self._word(motion) for motion in self.speech.motions(command))
 
     def word(self, data: bytes, reason: str) -> bytes:
@@ -155,30 +156,30 @@ def _shown(motion: Motion) -> bytes:
 
 
 def told(sensor: str) -> frozenset[str]:
-    """What an event needs that is about a reading."""
+    """Return what an event about this reading needs."""
     return frozenset({sensor})
 
 
 def ways_of(line: Line) -> tuple[bytes, ...]:
-    """What its ascents try in turn, by the last word of each."""
+    """Return what ascents try in turn on this line, by the last word of each way."""
     return tuple(line.words(way)[-1] for way in vehicle_row(line.vehicle.codec).ways)
 
 
 def surface_word(line: Line) -> bytes:
-    """What W says on it."""
+    """Return the word of W on this line."""
     return line.words(Order.SURFACE)[0]
 
 
 def upward(line: Line) -> list[bytes]:
-    """What says full thrust upward; on the ground a stop."""
+    """Return the words of full thrust upward; for a vehicle on the ground, X."""
     return list(line.words(UPWARD)) or [X]
 
 
 # --- what a board reports ------------------------------------------------------------------------
 
-_NEWS_DEG = 1e-6  # by which one place of an INS differs from the next
+_NEWS_DEG = 1e-6  # by which each position of an INS differs from the one before
 _FULL_V = 24.0
-_FULL_RPM = 500  # of a thruster that pushes; the sign is its way
+_FULL_RPM = 500  # of a thruster that pushes; the sign is its direction
 
 
 def _coreboard(sea: Sea, home: Position, tolerances: Tolerances) -> Mapping[str, Any]:
@@ -244,12 +245,12 @@ _BOARDS: Mapping[str, _Made] = MappingProxyType(
         "robot": (robot.up, _robot, frozenset()),
     }
 )
-SPOKEN = ("auv", *_BOARDS)  # the codecs whose frames this proof knows
+SPOKEN = ("auv", *_BOARDS)  # the codecs whose frames this proof has
 assert set(_BOARDS) <= set(MOTION)
 
 
 def line_of(vehicle: Vehicle) -> Line:
-    """Raises KeyError for a codec that is not SPOKEN."""
+    """Return the line of a vehicle. Raises KeyError for a codec that is not in SPOKEN."""
     if vehicle.codec == "auv":
         own = {ANSWERS, WATER, GPS, THRUSTERS, NO_TEMPERATURE, PUSHES}
         return AuvLine(vehicle, codec(*vehicle.speaks), vehicle.reports | own)
@@ -267,7 +268,7 @@ def line_of(vehicle: Vehicle) -> Line:
 
 
 def _unbounded(frame: BinaryFrame) -> BinaryFrame:
-    """The same table, in which what is broken can be said, too."""
+    """Return the same frame without bounds of its values, so that broken ones can be sent, too."""
     fields = (
         replace(field, low=None, high=None, choices=()) if isinstance(field, Number) else field
         for field in frame.fields

@@ -1,7 +1,7 @@
-"""Where the vehicle is when a proof begins: no guard on the range is open from there, and no leg
-has come to its end.
+"""Where the vehicle is when a proof begins: a place where no guard on the range is open and no leg
+ends.
 
-What does not live here: the bytes that say so (wire), the ways from there (configurations).
+What does not live here: the bytes that report it (wire), the ways from there (configurations).
 """
 
 from __future__ import annotations
@@ -19,11 +19,12 @@ from mission.navigation.geodesy import LocalFrame
 from mission.verification.exhaustive.wire import RANGE
 
 _BEARINGS = tuple(map(math.radians, range(0, 360, 30)))
-_CLEAR = 5.0  # m from where a leg would end
+_CLEAR = 5.0  # m from a place where a leg would end
 
 
 def mooring(prepared: Prepared, home: Position) -> Point:
-    """North and east of home, m: RANGE to the north, unless a leg would end there."""
+    """Return a place in m north and east of home: RANGE to the north, unless a leg would end
+    there; then another bearing at this range."""
     frame = LocalFrame(home)
     ends = [
         (place, LEGS[type(leg.kind)].within(leg.kind))
@@ -39,7 +40,7 @@ def mooring(prepared: Prepared, home: Position) -> Point:
 
 
 def from_afar(prepared: Prepared) -> Mission:
-    """The mission, such that it may be started at its ``mooring``."""
+    """Return the mission, with an assumed start and a radius that let it start at ``mooring``."""
     mission = replace(prepared.mission, vehicle=prepared.vehicle.name)
     if "position" not in prepared.vehicle.reports:
         return mission

@@ -1,4 +1,4 @@
-"""Laws of the operator's side: what is taken when, what is answered to whom, what is passed on.
+"""Laws of the operator's side: what is accepted when, what is answered to whom, what is relayed.
 
 What does not live here: X, W and M, and the states that commands lead to (laws).
 """
@@ -34,7 +34,7 @@ _NOW = 1e-6  # s
 
 
 def _ack(cell: Cell, code: str, accepted: bool) -> str:
-    """The answer, once, on the path of its request."""
+    """Return what is wrong with the acknowledgement, which leaves on the path of its request."""
     letter = code[1:].encode() if accepted else b"N"
     wanted = b"@ACK_" + code.encode() + letter + b"$"
     at = {"tender": "tender", "modem": ""}.get(cell.event.path, "boat")
@@ -44,7 +44,7 @@ def _ack(cell: Cell, code: str, accepted: bool) -> str:
 
 
 def _line(cell: Cell) -> Verdict:
-    """R3: only in idle, and a line of nothing not even there."""
+    """R3: lines are accepted only in idle, and a line out of place not even there."""
     if cell.event.command != "AW":
         return None
     idle = cell.configuration.region == "idle"
@@ -67,7 +67,7 @@ def _may_start(cell: Cell) -> bool:
 
 
 def _placed(cell: Cell) -> bool:
-    """Where it is, as far as a start asks (R7, R9)."""
+    """Whether depth and fix allow a start (R7, R9)."""
     if cell.configuration.leaf:
         return True
     free, depth = cell.chart.mission.start_without_fix, cell.before.depth
@@ -75,8 +75,8 @@ def _placed(cell: Cell) -> bool:
 
 
 def _start(cell: Cell) -> Verdict:
-    """@AA, by state: from idle with a fix, from manual 2 s after the stick, never out of an
-    emergency, with AUTO closed or with lines missing; while it runs Y and no effect."""
+    """@AA starts from idle with a fix and from manual 2 s after the stick; never out of an
+    emergency, with AUTO closed or with lines missing. While a mission runs: Y, and no effect."""
     if cell.event.command != "AA" or cell.event.path == "after the stick":
         return None
     c, accepted = cell.configuration, _may_start(cell)
@@ -93,7 +93,7 @@ def _start(cell: Cell) -> Verdict:
 
 
 def _may_start_now(cell: Cell) -> bool:
-    """As by the boat: in these states no line is taken, so nothing is being staged."""
+    """Whether @AA right after a line is accepted. Outside idle no line is, so none is missing."""
     c = cell.configuration
     if c.region == "autonomous":
         return True
@@ -102,7 +102,7 @@ def _may_start_now(cell: Cell) -> bool:
 
 
 def _no_restart(cell: Cell) -> Verdict:
-    """@AA while it runs: nothing leaves because of it."""
+    """@AA while a mission runs does not start it again."""
     if cell.event.command != "AA" or cell.configuration.region != "autonomous":
         return None
     if not cell.configuration.quiet or cell.event.path == "after the stick":
@@ -112,8 +112,8 @@ def _no_restart(cell: Cell) -> Verdict:
 
 
 def _clear(cell: Cell) -> Verdict:
-    """@AC from idle; from stopped and surfaced at the surface, or said again where no depth above
-    2 m is believed; N elsewhere."""
+    """@AC is accepted in idle; in stopped and surfaced at the surface, or when it is repeated and
+    no depth over 2 m is believed; elsewhere N."""
     if cell.event.command != "AC":
         return None
     state = cell.states[-2] if len(cell.states) > 1 else cell.configuration.state
@@ -139,7 +139,7 @@ def _ack_of_anyone(cell: Cell, accepted: bool) -> str:
 
 
 def _clock(cell: Cell) -> Verdict:
-    """@ST only in idle, and never over the modem (R10)."""
+    """@ST is accepted only in idle, and never over the modem (R10)."""
     if cell.event.command != "ST":
         return None
     idle = cell.configuration.region == "idle"
@@ -147,7 +147,8 @@ def _clock(cell: Cell) -> Verdict:
 
 
 def _safety(cell: Cell) -> Verdict:
-    """@SP always; with a wrong number of fields no answer at all (E-V2). Durable."""
+    """@SP is always accepted, and durable; with a wrong number of fields there is no answer
+    (E-V2)."""
     if cell.event.command != "SP":
         return None
     if cell.event.path == "broken":
@@ -158,7 +159,7 @@ def _safety(cell: Cell) -> Verdict:
 
 
 def _queries(cell: Cell) -> Verdict:
-    """@DU, @NI, @AQ, @AE: one answer each, and nothing else."""
+    """@DU, @NI, @AQ, @AE have one answer each."""
     words = {"DU": b"@VS", "NI": b"@ACK_NI", "AQ": b"@AR,", "AE": b"@AE,1,"}
     start = words.get(cell.event.command)
     if start is None:
@@ -168,8 +169,8 @@ def _queries(cell: Cell) -> Verdict:
 
 
 def _other_words(cell: Cell) -> Verdict:
-    """A word of the table that has no law of its own: one answer to whoever asked, whatever the
-    state; its acknowledgement where it has one, else its report."""
+    """A command without a law of its own has one answer to whoever asked, whatever the state: its
+    acknowledgement if it has one, else its report."""
     if cell.event.path != WORD:
         return None
     word = next(word for word in WORDS.values() if word.code == cell.event.command)
@@ -193,7 +194,7 @@ def _state_of_store(cell: Cell) -> Verdict:
 
 
 def _state_of_vehicle(cell: Cell) -> Verdict:
-    """The state that it is in, an emergency as an alarm as well, in at most 64 bytes."""
+    """@AE has the present state, and an emergency as an alarm, too, in at most 64 bytes."""
     found = cell.answers(b"@AE,1,")
     if cell.event.command != "AE" or not found:
         return None
@@ -209,8 +210,8 @@ def _state_of_vehicle(cell: Cell) -> Verdict:
 
 
 def _relays(cell: Cell) -> Verdict:
-    """R and rudder frames of the commander reach the STM32 once, whatever the state; no board of
-    another document has a word for them (R12, R14)."""
+    """R and rudder frames of the commander reach the STM32 once, whatever the state; boards of
+    other documents have no frame for them (R12, R14)."""
     frames = {"RS": b"@RSCOOCCC", "RI": b"@RI$", "D": b"@D"}
     start = frames.get(cell.event.command)
     if start is None:
@@ -222,7 +223,7 @@ def _relays(cell: Cell) -> Verdict:
 
 
 def _not_theirs(cell: Cell) -> Verdict:
-    """Of the Z class an operator has X0 and WF alone; a safety command is not guessed (E-V15)."""
+    """Of the Z class only X0 and WF are the operator's; others are not taken for them (E-V15)."""
     if cell.event.command != "Z":
         return None
     strange = [t for t in cell.frames() if t.data in (b"@ZAF11$", b"@ZAS77$", b"@ZAX1$", b"@ZAW0$")]
@@ -233,8 +234,8 @@ def _not_theirs(cell: Cell) -> Verdict:
 
 
 def _nodes(cell: Cell) -> Verdict:
-    """R13: AUTO closed ends a mission, and a suspended one; the STM32 closes in idle alone; the
-    Pi never; whoever does not change state within 5 s is answered N."""
+    """R13: closing AUTO ends a mission, also an interrupted one; STM32 closes only in idle, the Pi
+    never; N if a node does not change within 5 s."""
     if cell.event.command != "NS":
         return None
     c = cell.configuration
@@ -255,7 +256,7 @@ def _nodes(cell: Cell) -> Verdict:
 
 
 def _paths(cell: Cell) -> Verdict:
-    """R12: an answer leaves on the path of its request alone."""
+    """R12: an answer leaves only on the path of its request."""
     answers = [t for t in cell.answers(b"@ACK_") if b"@ACK_Z" not in t.data]
     if not answers:
         return None
@@ -268,14 +269,14 @@ def _paths(cell: Cell) -> Verdict:
 
 
 def _others_read(cell: Cell) -> Verdict:
-    """R12: who does not command changes nothing but by X and W."""
+    """R12: a connection that does not command changes nothing, except by X and W."""
     if cell.event.path != "tender" or cell.event.command in ("X", "W"):
         return None
     return wrong((cell.world.at_once != cell.configuration.state, f"now {cell.world.at_once}"))
 
 
 def _tells_at_surface(cell: Cell) -> Verdict:
-    """R11: one @VS unasked on every path at the surface."""
+    """R11: at the surface one unasked @VS leaves on every path."""
     if "restart" in cell.event.causes:  # nobody is connected yet
         return None
     if (
@@ -290,7 +291,7 @@ def _tells_at_surface(cell: Cell) -> Verdict:
 
 
 def _not_told_below(cell: Cell) -> Verdict:
-    """R11: what nobody asked for is told at the surface, whatever a receiver says below."""
+    """R11: no unasked @VS leaves below the surface, whatever a receiver sends there."""
     told = [t for t in cell.answers(b"@VS") if t.reason == "at the surface"]
     if not told or "depth" in cell.world.sea.unknown:
         return None
@@ -299,7 +300,7 @@ def _not_told_below(cell: Cell) -> Verdict:
 
 
 def _stays_up(cell: Cell) -> Verdict:
-    """Manual under AUTO closed has no mission to go back to (R13), nor has an emergency (R6)."""
+    """@AA resumes no mission in manual with AUTO closed (R13), nor after an emergency (R6)."""
     c = cell.configuration
     if c.region not in ("manual", "emergency") or "AA" not in cell.event.causes:
         return None
@@ -309,8 +310,8 @@ def _stays_up(cell: Cell) -> Verdict:
 
 
 def _copies(cell: Cell) -> Verdict:
-    """R12: a copy by modem starts nothing and loosens nothing, and is answered as done where it is
-    in force."""
+    """R12: a copy by modem starts nothing and loosens no limit; it is answered as done if what it
+    asks for is in force."""
     if "copy" not in cell.event.causes:
         return None
     told = [t for t in cell.answers(b"@ACK_") if not t.address]

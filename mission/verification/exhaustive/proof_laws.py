@@ -1,6 +1,6 @@
 """Laws of what must be proved: the surface by depth, the ascent by trying, the chart by its edges.
 
-What does not live here: by which cause a region is left (laws).
+What does not live here: for which cause a region is left (laws).
 """
 
 from __future__ import annotations
@@ -13,10 +13,10 @@ from mission.verification.exhaustive.exit_inputs import wish
 from mission.verification.exhaustive.laws import AT_SURFACE, Law, Verdict, wrong
 from mission.verification.exhaustive.lines import U12, WATER, X, upward, ways_of
 
-_TURN = 10.0  # s each way is given (R7)
+_TURN = 10.0  # s that each way has (R7)
 _EPS = 1e-6
 _SUSPENDED = ("autonomous", "manual")
-# What is watched in manual as everywhere, whatever the vehicle does (R5).
+# The limits that are watched in manual, too, whatever the vehicle does (R5).
 _REPORTED = ("hard depth", "roll-over", "voltage")
 
 
@@ -24,7 +24,8 @@ _REPORTED = ("hard depth", "roll-over", "voltage")
 
 
 def _at_the_surface(cell: Cell) -> Verdict:
-    """surfaced, the end of a mission, and idle after the stick: only where the depth says so."""
+    """surfaced, the end of a mission, and idle after the stick: only where the true depth is that
+    of the surface."""
     asked: Verdict = None
     first = cell.before.states - 1
     for i, ((_, here), (_, there)) in enumerate(pairwise(cell.world.states[first:])):
@@ -39,9 +40,9 @@ def _at_the_surface(cell: Cell) -> Verdict:
 
 
 def _never_gives_up(cell: Cell) -> Verdict:
-    """While the depth does not fall: the vehicle's ways (W, X0 with U12, X0 alone) in turn, 10 s
-    each (full thrust twice as long from the second time on), for as long as it takes. In an ascent,
-    a leg's too, W leaves, and the turn that is under way goes on."""
+    """While the depth does not fall, the vehicle's ways (W, X0 with U12, X0 alone) take turns
+    without end, 10 s each (full thrust twice as long from the second time on). In an ascent, also
+    in that of a leg, W leaves and the present turn continues."""
     if cell.event.path != "sinks":
         return None
     again = cell.configuration.state == SURFACING
@@ -64,7 +65,8 @@ def _never_gives_up(cell: Cell) -> Verdict:
 
 
 def _ways(cell: Cell) -> list[tuple[float, bytes]]:
-    """What an ascent tried from its W on, and when; the X0 before a U12 belongs to that."""
+    """Return the ways that an ascent tried from its W on, with their times. The X0 before a U12 is
+    part of it."""
     said = [(t.t, t.data) for t in cell.frames(b"@ZA") if _first(t.reason)]
     own, halves = ways_of(cell.line), len(upward(cell.line)) > 1
     begun = next((i for i, (_, data) in enumerate(said) if data == own[0]), len(said))
@@ -85,7 +87,7 @@ def _first(reason: str) -> bool:
 
 
 def _clock_goes_on(cell: Cell) -> Verdict:
-    """Manual time counts; a run that goes on began when it began."""
+    """Time in manual counts: a run that continues keeps the time of its start."""
     run = cell.world.engine.core.run
     if cell.before.started is None or run is None or "restart" in cell.event.causes:
         return None
@@ -94,7 +96,7 @@ def _clock_goes_on(cell: Cell) -> Verdict:
 
 
 def _reports_anew(cell: Cell) -> Verdict:
-    """R6: no report comes while the stick is held; their age starts again with @AA."""
+    """R6: no reports come while the stick is held, so their age starts again with @AA."""
     c = cell.configuration
     if cell.event.path != "after the stick" or not (c.leaf and c.auto) or c.preceded:
         return None
@@ -119,8 +121,8 @@ def _edges(chart: Chart, trigger: str) -> list[Edge]:
 
 
 def _along_the_chart(cell: Cell) -> Verdict:
-    """The first edge that is taken leaves this leg or a group around it, to where the chart says,
-    and its rounds say that it may."""
+    """The first edge that is taken leaves this leg or a group around it, leads to where the chart
+    says, and is open in this round."""
     c = cell.configuration
     if c.region != "autonomous":
         return None
@@ -144,7 +146,7 @@ def _along_the_chart(cell: Cell) -> Verdict:
 
 
 def _fulfilled(cell: Cell) -> Verdict:
-    """What a leg waits for is so: it is left for good, or for its next round."""
+    """When a leg's first exit holds, the leg is left, for another leg or its own next round."""
     if cell.event.name != "what the leg waits for":
         return None
     if wish(cell.configuration, cell.chart) is None:
@@ -159,7 +161,7 @@ def _repeat(chart: Chart, path: str) -> int:
 
 
 def _miscounts(cell: Cell, edge: Edge) -> bool:
-    """One round more where there are any left, from the first again where there are none."""
+    """Whether the round is wrong: one more while rounds are left, else the first again."""
     moved = [s for s in cell.steps if s.exited and s.exited[0].startswith("autonomous")]
     counts = [loop for loop in edge.loops if cell.state.startswith(loop.group + "/")]
     if len(moved) > 1 or len(counts) != 1 or cell.state != edge.target:

@@ -1,6 +1,6 @@
-"""Laws of rest: where everything is stopped, what sinks is brought up, and nothing else turns.
+"""Laws of rest: a vehicle that sinks while stopped is brought up; otherwise no thruster turns.
 
-What does not live here: the ascent itself (proof_laws), stops that are said again (laws).
+What does not live here: the ascent itself (proof_laws), repeated stops (laws).
 """
 
 from __future__ import annotations
@@ -10,10 +10,10 @@ from mission.verification.exhaustive.cell import Cell
 from mission.verification.exhaustive.laws import DEEP_REST, Law, Verdict, stays_down, wrong
 from mission.verification.exhaustive.lines import U12, WATER, W, X
 
-_BLIND = 6.5  # s after which a depth that is not told is not believed
-_LATE = 3.0  # s: a report, and the line
+_BLIND = 6.5  # s after which a missing depth is not believed
+_LATE = 3.0  # s for a report and the line
 _ASKED = frozenset({"X", "W", "M", "AA", "AC", "NS", "restart", "minute", "silence", "line"})
-_MAY_TURN = frozenset({"W", "NS", "restart"})  # behind the last two AUTO is open
+_MAY_TURN = frozenset({"W", "NS", "restart"})  # after the last two AUTO is open
 
 
 def _rests(cell: Cell) -> bool:
@@ -26,7 +26,7 @@ def _upward(cell: Cell) -> list[bytes]:
 
 
 def _brought_up(cell: Cell) -> Verdict:
-    """What sinks from rest is brought up, but while AUTO is closed."""
+    """R7: a vehicle that sinks from rest is brought up, except while AUTO is closed."""
     if not (_rests(cell) and cell.configuration.auto) or "sinks" not in cell.event.causes:
         return None
     return wrong(
@@ -36,7 +36,7 @@ def _brought_up(cell: Cell) -> Verdict:
 
 
 def _not_left_below(cell: Cell) -> Verdict:
-    """In stopped the buoyancy has 20 s; what is still deep then is brought up."""
+    """R7: in stopped, buoyancy has 20 s; a vehicle that is still deep then is brought up."""
     c = cell.configuration
     if c.state != STOPPED or not c.auto or cell.event.causes & (_ASKED | {"blind", "limit"}):
         return None
@@ -49,7 +49,7 @@ def _not_left_below(cell: Cell) -> Verdict:
 
 
 def _blind_at_rest(cell: Cell) -> Verdict:
-    """An unknown depth turns no thruster: somebody may have the vehicle on deck."""
+    """R7: an unknown depth turns no thruster, since the vehicle may be on deck."""
     if not _rests(cell) or cell.event.sensor not in ("depth", "all"):
         return None
     if cell.event.causes & _ASKED - {"AC"}:
@@ -58,8 +58,8 @@ def _blind_at_rest(cell: Cell) -> Verdict:
 
 
 def _auto_closed(cell: Cell) -> Verdict:
-    """R7, R13: a hand may be at a thruster. What was held up at the surface is let go, too: the
-    last word is a stop, from whenever."""
+    """R7, R13: while AUTO is closed nothing turns, since a hand may be at a thruster. A vehicle
+    that was held up is let go, too: its last command, even from before the event, is a stop."""
     if not _rests(cell) or cell.configuration.auto or cell.event.causes & _MAY_TURN:
         return None
     said = {t.data for t in [*cell.frames(b"@ZA", 0)[-1:], *cell.frames(b"@ZA")]} - {X}

@@ -1,10 +1,10 @@
 """All cells: each configuration of each mission and profile, crossed with each event.
 
-An exception out of the runtime is a violation as any other. A law that was asked nowhere, and a
-cell that was not evaluated, are errors of this room. For each configuration the first event is
-played once more after all others: what is seen must be the same, or the copies are none.
+An exception out of the runtime is a violation like any other. A law that no cell asks, and a cell
+that was skipped, are errors of this package. For each configuration the first event is played again
+after all others. The result must be the same, else the copies of the runtime are not independent.
 
-What does not live here: how it is shown (commands.exhaustive).
+What does not live here: how results are shown (commands.exhaustive).
 """
 
 from __future__ import annotations
@@ -53,24 +53,25 @@ LAWS: Table[str, Law] = Table(
         *END_LAWS,
     ),
 )
-KEPT = 200  # violations in words; all are counted
+KEPT = 200  # violations that are described; all are counted
 
 Progress = Callable[[str], None]
 
 
 @dataclass(slots=True)
 class Found:
-    """``asked`` counts the cells of each law; ``violations`` are those kept, of ``broken``."""
+    """``asked``: how many cells each law applied to. ``broken``: how many violated it;
+    ``violations`` describes up to KEPT of them."""
 
     missions: set[str] = field(default_factory=set)
     configurations: int = 0
     cells: int = 0
-    events: int = 0  # that can happen to the vehicle
-    has: frozenset[str] = frozenset()  # what its laws may need
+    events: int = 0  # events that can happen to the vehicle
+    has: frozenset[str] = frozenset()  # what the vehicle has, which laws may need
     asked: Counter[str] = field(default_factory=Counter)
     broken: Counter[str] = field(default_factory=Counter)
     violations: list[dict[str, str]] = field(default_factory=list)
-    undone: list[str] = field(default_factory=list)  # shares that nobody saw the end of
+    undone: list[str] = field(default_factory=list)  # shares whose workers were lost
 
     def add(self, other: Found) -> None:
         self.missions |= other.missions
@@ -104,7 +105,7 @@ def examine(
     progress: Progress,
     vehicle: str | None = None,
 ) -> Found:
-    """All cells of these missions on every profile. Raises Unreadable or Unreachable."""
+    """Examine all cells of these missions on every profile. Raises Unreadable or Unreachable."""
     shares: list[Share] = [
         (path, profile, vehicle)
         for path in dict.fromkeys(missions)
@@ -119,7 +120,7 @@ def examine(
 
 
 def _found(outcome: Found | Lost) -> Found:
-    """Raises what the share raised: it is no finding."""
+    """Return the findings of a share. Raises what the share raised, which is no finding."""
     if isinstance(outcome, Lost) and outcome.error is None:
         return Found(undone=[str(outcome)])
     return had(outcome)
@@ -133,8 +134,8 @@ def _name(share: Share) -> str:
 
 
 def unasked(found: Found, *, of_legs: bool = True) -> list[str]:
-    """Laws of its vehicles that no cell asks; ``of_legs`` False: without those that need a kind of
-    leg."""
+    """Return the laws of these vehicles that no cell asked. ``of_legs`` False: without laws that
+    need a kind of leg."""
     own = (law for law in LAWS.values() if law.needs <= found.has)
     laws = [law for law in own if of_legs or not law.of_legs]
     return [law.name for law in laws if not found.asked[law.name]]
@@ -149,7 +150,8 @@ def _share(share: Share) -> Found:
 
 
 def examine_ground(on: Ground, every: int = 1) -> Found:
-    """``every``: only each n-th configuration, for tests."""
+    """Examine all cells of a mission on a profile. ``every``: only each n-th configuration, for
+    tests."""
     found = Found({on.mission}, events=len(events_of(on.line)), has=on.line.has)
     for configuration, world in itertools.islice(configurations(on), 0, None, every):
         found.configurations += 1
@@ -183,7 +185,7 @@ def _played(
     cell = Cell(configuration, event, on.chart, before(world), world)
     try:
         event.play(world, configuration, on.chart)
-    except Exception as error:  # whatever comes out of a runtime is a finding
+    except Exception as error:  # any exception of the runtime is a finding
         return cell, f"{type(error).__name__}: {error}"
     return cell, ""
 

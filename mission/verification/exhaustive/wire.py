@@ -1,6 +1,6 @@
-"""What the vehicle and its GPS receiver say, in the bytes of their documents.
+"""What the vehicle and its GPS receiver send, in the bytes of their documents.
 
-What does not live here: when they say it (world), how it is read (protocol).
+What does not live here: when they send it (world), how it is decoded (protocol).
 """
 
 from __future__ import annotations
@@ -15,20 +15,20 @@ from protocol.checksum import SD_DEFAULT, sd_profile
 from protocol.nmea import encode_gga, encode_rmc
 from protocol.vehicles.auv import MAGNETOMETERS, SD
 
-_LAYOUT = SD.layout  # NaN: nothing is told
+_LAYOUT = SD.layout  # NaN: no value
 _SUM = sd_profile(SD_DEFAULT)
 _MAGNETIC = len(MAGNETOMETERS) * (20.0,)  # uT
 _METRE = 1.0 / EARTH  # rad
 _BEGIN = datetime(2026, 3, 1, 4, 0, tzinfo=UTC)
-RANGE = 70.0  # m from home: no guard on the range of the shipped missions is open
+RANGE = 70.0  # m from home, where no guard on the range of a shipped mission is open
 _NEUTRAL, _AHEAD, _DOWN = 1500, 1700, 1083  # us
 
 
 @dataclass(slots=True)
 class Sea:
-    """The true state of the vehicle, and what of it the sensors do not tell.
+    """The true state of the vehicle, and the faults of its sensors.
 
-    ``unknown`` names values of a report that come as NaN, ``frozen`` those that repeat to the bit.
+    ``unknown`` names the values of a report that are NaN, ``frozen`` those that repeat to the bit.
     """
 
     depth: float = 0.2
@@ -38,14 +38,14 @@ class Sea:
     temperature: float = 15.0
     control_v: float = 12.0
     powered: bool = True
-    dives: bool = False  # its verticals push down with all they have
-    stopped: bool = False  # by X0, which is obeyed whether it is answered or not
+    dives: bool = False  # its vertical thrusters push down with full thrust
+    stopped: bool = False  # by X0, which it obeys whether or not it answers
     north: float = RANGE
     east: float = 0.0
     leak: bool = False
-    placed: bool = False  # the report tells where it is
-    yaw_offset_deg: float = 0.0  # as no compass says it
-    course_deg: float | None = None  # over ground, where a fix tells it
+    placed: bool = False  # the report has the vehicle's own place
+    yaw_offset_deg: float = 0.0  # added to the reported yaw, to put it out of range
+    course_deg: float | None = None  # over ground, in fixes; None: they have none
     unknown: set[str] = field(default_factory=set)
     frozen: set[str] = field(default_factory=set)
     _said: dict[str, float] = field(default_factory=dict)
@@ -53,12 +53,12 @@ class Sea:
 
     @property
     def pushes(self) -> bool:
-        """Whether a thruster, or a wheel, turns."""
+        """Whether a thruster or a wheel turns."""
         return self.powered and not self.stopped
 
     def told(self) -> dict[str, float]:
-        """What the sensors tell, NaN for what they do not; the last bits move as theirs do. m, C,
-        deg as the AUV has them."""
+        """Return the readings, NaN where unknown, in the AUV's units (m, C, deg). Their last bits
+        change from report to report, as those of real sensors do."""
         self.count += 1
         jitter = (self.count % 5 - 2) * 0.004
         yaw = -math.degrees(math.remainder(math.radians(self.heading_deg), math.tau))
@@ -76,7 +76,7 @@ class Sea:
         return {n: math.nan if n in self.unknown else value for n, value in values.items()}
 
     def sentences(self, home: Position, now: float) -> bytes:
-        """GGA and RMC of one epoch."""
+        """Return GGA and RMC of one epoch."""
         utc = _BEGIN + timedelta(seconds=round(now, 1))
         latitude, longitude = place_of(self, home)
         moving = self.course_deg is not None
@@ -91,7 +91,7 @@ class Sea:
 
 
 class Land(Sea):
-    """Of what drives on the ground: it is at the surface, wherever it is put."""
+    """The state of a vehicle that drives on the ground: its depth stays 0."""
 
     __slots__ = ()
 
@@ -100,14 +100,14 @@ class Land(Sea):
 
 
 def place_of(sea: Sea, home: Position) -> tuple[float, float]:
-    """Latitude and longitude, rad."""
+    """Return latitude and longitude, rad."""
     latitude = math.radians(home.latitude_deg) + sea.north * _METRE
     longitude = math.radians(home.longitude_deg) + sea.east * _METRE / math.cos(latitude)
     return latitude, longitude
 
 
 def sd(sea: Sea) -> bytes:
-    """One ``@SD``."""
+    """Return one ``@SD``."""
     ahead = _AHEAD if sea.pushes else _NEUTRAL
     vertical = _DOWN if sea.pushes and sea.dives else ahead
     widths = (ahead, ahead, vertical, vertical, vertical, ahead, ahead)
@@ -117,6 +117,6 @@ def sd(sea: Sea) -> bytes:
 
 
 def answer(frame: bytes, letter: str, profile: str) -> bytes:
-    """The STM32's acknowledge of a Z frame; as built it has one code for all."""
+    """Return the STM32's acknowledgement of a Z frame; as built, all have the same code."""
     code = "A" if profile == "as-built" else chr(frame[3])
     return f"@ACK_Z{code}{letter}$".encode()

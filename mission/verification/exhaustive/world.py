@@ -1,8 +1,8 @@
 """A runtime with a vehicle on its serial line, GPS receiver and operators, and what was seen.
 
-Time goes from event to event: the next timer, the next answer of the STM32, the next report.
+Time jumps from event to event: the next timer, the next answer of the STM32, the next report.
 
-What does not live here: physics (the sea is told what it is), simulated firmware (links).
+What does not live here: physics (events set the state of the sea), simulated firmware (links).
 """
 
 from __future__ import annotations
@@ -36,20 +36,20 @@ from mission.verification.rig.acts import BOAT, TOPSIDE
 from mission.verification.rig.lockstep import Due, LockStep
 from protocol.modem import Sender, wrap
 
-TENDER = "tender"  # a connection beside that of the boat
-_SLOW = 1.0  # s between reports: a jump between two of them is no leap
+TENDER = "tender"  # a second connection, beside the boat's
+_SLOW = 1.0  # s between reports, from which on a jump of the depth counts as no leap
 _LATENCY = 0.02  # s until the STM32 answers
 _STOP = b"@ZAX0$"
 _CONFIGURATION = Configuration(links=LinkUrls(modem="memory://modem"))
 
 
 _BEACONS = {"1": Beacon(math.radians(30.2885), math.radians(120.1545), 5.0)}
-_BEGUN: dict[object, Fork[World]] = {}  # a runtime is made of nothing but these
+_BEGUN: dict[object, Fork[World]] = {}  # restarted worlds, by all that a runtime depends on
 
 
 @dataclass(slots=True)
 class Notes:
-    """What an observer of the runtime wrote down."""
+    """What the observer of the runtime recorded."""
 
     steps: list[Step] = field(default_factory=list)
 
@@ -64,10 +64,10 @@ class Notes:
 
 
 class World(LockStep):
-    """``answers`` is the letter of the STM32's acknowledges, "" for none; ``rises_by`` the start
-    of a word after which the vehicle comes up. ``sent``, as the laws read it: what a board is told
-    again and again stands there once, and in ``paced`` each time. ``line``: by default the
-    vehicle's."""
+    """``answers``: the letter of the STM32's acknowledgements, "" for none. ``rises_by``: the
+    beginning of a command after which the vehicle comes up. ``sent`` is in the commands of the
+    laws: a command that a board is sent repeatedly is there once, and each time in ``paced``.
+    ``line``: by default the vehicle's."""
 
     def __init__(
         self,
@@ -85,18 +85,18 @@ class World(LockStep):
         self.runtime = Runtime(_CONFIGURATION, vehicle, self.store, observer=self.notes)
         self.answers = "Y"
         self.reports = True
-        self.spoils = False  # each report loses a bit on its way
+        self.spoils = False  # one bit of each report is flipped on its way
         self.rises_by = b""
         self.sent: list[Tx] = []
         self.states: list[tuple[float, str]] = [(now, self.runtime.state)]
-        self.depths = [self.sea.depth]  # the true one, at each of these
-        self.left = [0]  # how many of ``sent`` had left before the input that led to each
+        self.depths = [self.sea.depth]  # the true depth at each of the states
+        self.left = [0]  # for each state, len(sent) before the input that led to it
         self.last_fix = self.last_stick = -1e9
-        self.ended_in, self.ended_after = "", 0  # told to end: where, behind how many of ``sent``
-        self.at_once = ""  # the state right after the first input since it was emptied
+        self.ended_in, self.ended_after = "", 0  # told to end: the state, and len(sent), then
+        self.at_once = ""  # the state right after the first input since this was set to ""
         self._owed: list[tuple[float, bytes]] = []
-        self.paced: list[tuple[float, int]] = []  # when something left for the vehicle, bytes
-        self._saying: list[bytes] = []  # what holds, and is said again
+        self.paced: list[tuple[float, int]] = []  # time and bytes of all that left for the vehicle
+        self._saying: list[bytes] = []  # the commands in force, which a board is sent repeatedly
         self._report_due = now + self.line.period
         self._take(self.runtime.handle_timer(now))
 
@@ -115,33 +115,33 @@ class World(LockStep):
 
     @property
     def deep(self) -> float:
-        """m: of the AUV, farther in a period than a body sinks; of a board, not so deep that a leg
-        of a shipped mission ends there."""
+        """A depth in m. For the AUV, more than a body sinks in one report period; for a board, not
+        so deep that a leg of a shipped mission ends."""
         return 3.0 if ANSWERS in self.line.has else 2.4
 
     def come_to(self, depth: float) -> None:
-        """Puts the vehicle at a depth as if it had been there for long: no other depth is
-        remembered."""
+        """Put the vehicle at a depth as if it had been there for long: navigation forgets all
+        other depths."""
         self.sea.depth = depth
         navigation = self.engine.core.vehicle_state.navigation
         if isinstance(navigation, Navigation):
             navigation.forget_depth()
 
     def put(self, depth: float) -> None:
-        """Moves it there between two reports; where these are so frequent that no body could, as
-        ``come_to`` does."""
+        """Move the vehicle to a depth between two reports. If they are too frequent for a body to
+        do so, do what ``come_to`` does."""
         if self.line.period < _SLOW:
             self.come_to(depth)
         self.sea.depth = depth
 
     def go(self, deeper: float, seconds: float) -> None:
-        """Evenly, as its reports see it."""
+        """Move the vehicle ``deeper`` m, evenly over ``seconds``, in steps of the report period."""
         parts = max(round(seconds / self.line.period), 1)
         for _ in range(parts):
             self.sea.depth += deeper / parts
             self.wait(seconds / parts)
 
-    # --- what comes in -------------------------------------------------------------------------
+    # --- input ---------------------------------------------------------------------------------
 
     def say(self, data: bytes, address: str = BOAT) -> None:
         if data.startswith(b"@M"):
@@ -149,23 +149,23 @@ class World(LockStep):
         self._take(self.runtime.receive(Rx(self.now, TOPSIDE, data, address)))
 
     def say_below(self, frame: bytes) -> None:
-        """Over the acoustic modem, in its envelope."""
+        """Send a frame over the acoustic modem, in its envelope."""
         self.hear_modem(wrap(frame, Sender.TOPSIDE))
 
     def hear_modem(self, data: bytes) -> None:
-        """Whatever comes from there."""
+        """Give the runtime any bytes from the modem."""
         self._take(self.runtime.receive(Rx(self.now, MODEM, data, "")))
 
     def hear(self, data: bytes) -> None:
-        """Something of the vehicle's."""
+        """Give the runtime bytes from the vehicle."""
         self._take(self.runtime.receive(Rx(self.now, VEHICLE, data, "")))
 
     def hear_added(self, data: bytes) -> None:
-        """What a sensor that was added says."""
+        """Give the runtime bytes from an added sensor."""
         self._take(self.runtime.receive(Rx(self.now, SENSORS, data)))
 
     def hear_second(self, data: bytes) -> None:
-        """What a second receiver says."""
+        """Give the runtime bytes from a second receiver."""
         self._take(self.runtime.receive(Rx(self.now, SECOND, data)))
 
     def report(self) -> None:
@@ -174,7 +174,7 @@ class World(LockStep):
         self.hear(data[:at] + bytes([data[at] ^ 1]) + data[at + 1 :] if self.spoils else data)
 
     def fix(self) -> None:
-        """By its receiver, or as its own report tells it."""
+        """Give the runtime a fix of the receiver, or a report with the vehicle's own place."""
         self.last_fix = self.now
         if GPS not in self.line.has:
             self.sea.placed = True
@@ -186,15 +186,15 @@ class World(LockStep):
         )
 
     def line_is_back(self) -> None:
-        """Tells the runtime that the vehicle's port was away, for no time at all."""
+        """Tell the runtime that the vehicle's port was disconnected and is back at once."""
         self._take(self.runtime.connected(VEHICLE, "", self.now))
 
     def node(self, line: bytes) -> None:
-        """What a node's process reports."""
+        """Give the runtime a line from the process of a node."""
         self._take(self.runtime.receive(Rx(self.now, "nodes", line, "")))
 
     def restart(self) -> None:
-        """The program dies, and begins again with what the store holds; navigation comes later."""
+        """Kill the program and restart it with the content of the store, without navigation."""
         kept = self.store.content
         key = (self.line, kept, self.home)
         if key not in _BEGUN:
@@ -209,12 +209,12 @@ class World(LockStep):
             setattr(self, name, value)
 
     def end(self, *, at_once: bool = False) -> None:
-        """The program is to end."""
+        """Tell the program to end."""
         self.ended_in, self.ended_after = self.state, len(self.sent)
         self._take(self.runtime.end(self.now, at_once=at_once))
 
     def wait(self, seconds: float) -> None:
-        """Lets so many seconds pass: timers, answers and reports come when they are due."""
+        """Let time pass. Timers, answers and reports come when they are due."""
         self.run_until(self.now + seconds)
 
     def dues(self) -> Iterator[Due]:
@@ -234,7 +234,7 @@ class World(LockStep):
         if self.reports:
             self.report()
 
-    # --- what goes out -------------------------------------------------------------------------
+    # --- output --------------------------------------------------------------------------------
 
     def _take(self, sent: list[Tx]) -> None:
         before = len(self.sent)
@@ -251,7 +251,7 @@ class World(LockStep):
             self.left.append(before)
 
     def _said(self, tx: Tx) -> Tx | None:
-        """In the words of the laws; None for what holds, said again."""
+        """Translate a frame into the commands of the laws; None if it repeats one in force."""
         self.paced.append((tx.t, len(tx.data)))
         word = self.line.word(tx.data, tx.reason)
         if tx.reason.endswith(HELD):
@@ -265,7 +265,7 @@ class World(LockStep):
         return replace(tx, data=word)
 
     def _obey(self, word: bytes) -> None:
-        """What the vehicle does, and answers."""
+        """Let the vehicle obey a command, and answer it."""
         if self.rises_by and word.startswith(self.rises_by):
             self.put(0.2)
             self.rises_by = b""

@@ -1,1 +1,1 @@
-"""What a mission means to do, before it is rehearsed: its track in still water, drawn."""
+"""The track that a mission plans, as it would be flown in still water, and its picture."""

@@ -1,4 +1,4 @@
-"""What a plan can be written as: one row per suffix."""
+"""The file formats of a plan: one row per suffix."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class Format:
 
 
 def page(plan: Plan) -> bytes:
-    """Picture and table in one file that asks nothing of the net."""
+    """Return an HTML page with picture and table, which loads nothing from the network."""
     drawn = picture(plan, "svg").decode()
     drawn = drawn[drawn.index("<svg") :]
     lines = "".join(
@@ -63,7 +63,8 @@ def _metres(value: float | None) -> str:
 
 
 def geojson(plan: Plan) -> bytes:
-    """RFC 7946: lines of legs, turning points, areas, ellipses. Raises Unplanned without a home."""
+    """Return GeoJSON (RFC 7946): lines of legs, turning points, areas, ellipses. Raises Unplanned
+    without a home."""
     if plan.home is None:
         raise Unplanned("the mission names no home, so that nothing has a latitude; write home")
     frame = LocalFrame(plan.home)
@@ -109,7 +110,7 @@ def _degrees(point: Point, frame: LocalFrame, depth: float | None = None) -> lis
 
 
 def _ring(points: tuple[Point, ...], frame: LocalFrame) -> list[list[float]]:
-    """Closed, and counterclockwise, as the standard wants an outer ring."""
+    """Return a closed, counterclockwise ring, as the standard requires of an outer ring."""
     area = sum(
         a[1] * b[0] - b[1] * a[0] for a, b in zip(points, (*points[1:], points[0]), strict=True)
     )

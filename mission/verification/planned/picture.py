@@ -1,8 +1,8 @@
 """The planned track as a picture: plan view over a grid, and depth over time.
 
-The ellipses about the track hold it with 95 % by its estimate; they grow until the next fix. Legs
-have a colour and a number; turning points a mark, and their time where there is room. Under the
-depth lies the sea floor of a file, where it is known.
+The ellipses along the track are the 95 % ellipses of the estimate; they grow until the next fix.
+Legs have a colour and a number. Turning points have a mark, and their time if there is room. The
+depth profile shows the sea floor of a file, where the file has it.
 
 matplotlib is imported when a picture is drawn, with the Agg back end: no display is needed.
 """
@@ -23,14 +23,14 @@ if TYPE_CHECKING:
 _PALETTE = ("#3b7ea1", "#c19a2e", "#2f8f7f", "#b8505f", "#7d7d2a", "#8d3f8d", "#4f6fa8", "#256f2f")
 _GROUND = "#8a7452"
 _INK, _BAND = "#2b2b2b", "#c1440e"
-_RGB = (0.72, 0.31, 0.37)  # of what is kept out of
+_RGB = (0.72, 0.31, 0.37)  # colour of areas to keep out of
 _ELLIPSES = 14
-_IN_SIGHT = 4.0  # times the greatest depth: a floor below that would make the dive small
-_ROOM = 0.03  # of the picture's width: nearer than this, two times would hide each other
+_IN_SIGHT = 4.0  # times the greatest depth; a deeper floor would make the dive too small to see
+_ROOM = 0.03  # share of the picture's width; nearer than this, two times would overlap
 
 
 def picture(plan: Plan, format_: str) -> bytes:
-    """``png`` or ``svg``; the same plan makes the same bytes."""
+    """Return the picture as ``png`` or ``svg``; the same plan gives the same bytes."""
     import matplotlib as mpl
 
     mpl.use("Agg")
@@ -105,14 +105,14 @@ def _draw_ellipse(axes: Axes, spot: Spot) -> None:
 
 
 def _draw_radius(axes: Axes, radius: float) -> None:
-    """The limit, where it is in sight: it must not make the track small."""
+    """Draw the radius limit without enlarging the view, which would make the track small."""
     from matplotlib.patches import Circle
 
     axes.add_artist(Circle((0.0, 0.0), radius, fill=False, ec=_INK, lw=1.0, ls="--"))
 
 
 def _draw_fence(axes: Axes, fence: Fence) -> None:
-    """Red is kept out of, grey kept in; the name stands at the first corner."""
+    """Draw an area with its name at the first corner: red to keep out of, grey to keep in."""
     from matplotlib.patches import Polygon
 
     corners = [(east, north) for north, east in fence.polygon]
@@ -135,7 +135,7 @@ def _tell_times(axes: Axes, plan: Plan) -> None:
 
 
 def _marked(plan: Plan) -> list[Spot]:
-    """The beginnings of legs, and the turning points within them."""
+    """Return the beginnings of legs, and their turning points."""
     return [spot for leg in plan.stretches for spot in (*leg.spots[:1], *leg.turns)]
 
 
@@ -158,7 +158,7 @@ def _profile(axes: Axes, plan: Plan) -> None:
 
 
 def _draw_floor(axes: Axes, plan: Plan) -> None:
-    """Of the file, under the way; it has gaps where the file knows none."""
+    """Draw the floor of the file under the track, with gaps where the file has no depth."""
     spots = [spot for leg in plan.stretches for spot in leg.spots]
     known = [spot.floor for spot in spots if spot.floor is not None]
     if not known:
@@ -172,5 +172,5 @@ def _draw_floor(axes: Axes, plan: Plan) -> None:
 
 
 def rows(plan: Plan) -> list[tuple[Stretch, float]]:
-    """Each leg with the 95 % radius (m) at its end."""
+    """Return each leg with the 95 % radius (m) at its end."""
     return [(leg, leg.spots[-1].axes[0] if leg.spots else 0.0) for leg in plan.stretches]

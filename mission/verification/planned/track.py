@@ -1,10 +1,10 @@
 """The planned track: the mission flown once in still water.
 
-The product itself flies it, so that every leg, guard and fix is as at sea, and the uncertainty is
-what the vehicle's own estimate will say: with the current of the vehicle file, whatever the mission
-assumes. What dives in the current that is assumed come to is the check's to expect, and told beside
-it. Nothing is disturbed: the way that is drawn is the way
-that is meant. The sea floor is the one that the mission assumes, or that of a file of depths.
+The real program flies it, so every leg, guard and fix is as at sea. The uncertainty is that of the
+vehicle's own estimate: with the current of the vehicle file, whatever the mission assumes. Beside
+it stands what the check expects of dives in the assumed current. There are no disturbances, so the
+drawn track is the intended one. The sea floor is that which the mission assumes, or that of a file
+of depths.
 
     Unplanned         (the author must act: the mission does not come to its end in still water)
 """
@@ -35,21 +35,21 @@ from mission.verification.simulation.flight import fly
 from mission.verification.simulation.flightlog import Flight, Sample
 from mission.verification.simulation.seafloor import Clearance, over
 
-_CIRCLE = 36  # corners of a circle that is drawn
-_TRUE = SensorErrors(  # noise alone, without which a sensor counts as frozen
+_CIRCLE = 36  # corners of a drawn circle
+_TRUE = SensorErrors(  # noise only; without noise a sensor would count as frozen
     compass_bias=0.0, compass_slow=0.0, deviation=0.0, depth_bias=0.0
 )
 
 
 class Unplanned(ValueError):
-    """The mission has no planned track; says how its flight in still water ended."""
+    """The mission has no planned track; the message says how its flight in still water ended."""
 
 
 @dataclass(frozen=True, slots=True)
 class Spot:
-    """The vehicle at ``t`` s: m from home, m deep; ``axes`` are the half axes (m) of the 95 %
-    ellipse and ``bearing`` that of the longer one (rad); ``floor`` (m) lies under it, where a file
-    knows it."""
+    """The vehicle at ``t`` s: m from home, m deep. ``axes``: the half axes (m) of the 95 % ellipse;
+    ``bearing``: of the longer axis, rad; ``floor``: depth (m) of the sea floor below, if a file has
+    it."""
 
     t: float
     north: float
@@ -74,12 +74,12 @@ class Stretch:
     end: float
     spots: tuple[Spot, ...]
     turns: tuple[Spot, ...]
-    area: tuple[Point, ...]  # its outline, m from home; empty where it has none
-    expected: float | None = None  # m that 95 % of dives stay within on it, as the check expects
+    area: tuple[Point, ...]  # its outline, m from home; empty without an area
+    expected: float | None = None  # m within which 95 % of dives stay, as the check expects
 
     @property
     def water(self) -> float | None:
-        """The least m under the vehicle, where the floor is known."""
+        """The least m under the vehicle; None if the floor is not known."""
         return min((spot.water for spot in self.spots if spot.water is not None), default=None)
 
 
@@ -91,13 +91,13 @@ class Plan:
     seconds: float
     stretches: tuple[Stretch, ...]
     fences: tuple[Fence, ...] = ()
-    clearance: Clearance | None = None  # the least water under it; where a file knows the floor
-    unflown: tuple[str, ...] = ()  # legs that no way led to in still water
+    clearance: Clearance | None = None  # the least water under it, if a file has the floor
+    unflown: tuple[str, ...] = ()  # legs that were not reached in still water
 
 
 @dataclass(frozen=True, slots=True)
 class _Ground:
-    """Where the plane of the plan lies, and the depths of its sea floor, as far as known."""
+    """The frame of the plan, and the depths of its sea floor, as far as known."""
 
     frame: LocalFrame | None
     depths: Depths | None
@@ -117,7 +117,8 @@ class _Ground:
 
 
 def planned(mission: Mission, chart: Chart, vehicle: Vehicle, depths: Depths | None = None) -> Plan:
-    """Over the sea floor of ``depths``, where they know it. Raises Unplanned."""
+    """Plan a mission, over the sea floor of ``depths`` as far as they have it. Raises
+    Unplanned."""
     if depths is not None and mission.home is None:
         raise Unplanned("the mission names no home, so that no depth lies under it; write home")
     flight = fly(mission, vehicle, settings=_still(mission, depths))
@@ -141,7 +142,8 @@ def planned(mission: Mission, chart: Chart, vehicle: Vehicle, depths: Depths | N
 
 
 def _expected(mission: Mission, vehicle: Vehicle) -> dict[str, float]:
-    """m by the name of a leg, or of a row of one: of rounds the worst."""
+    """Return what the check expects in m, by the name of a leg or of its row; of several rounds the
+    worst."""
     try:
         surveys, legs, _ = outlooks(mission, vehicle)
     except TooManyError:
@@ -155,7 +157,8 @@ def _expected(mission: Mission, vehicle: Vehicle) -> dict[str, float]:
 
 
 def _still(mission: Mission, depths: Depths | None) -> Settings:
-    """Over a floor of a file that is seen and not touched: the way stays the one that is meant."""
+    """Return settings of still water. The vehicle sees the floor of a file but does not touch it,
+    so that the track stays the intended one."""
     floor = dict(mission.assume).get("floor")
     still = Settings(sea=Sea() if floor is None else Sea(floor=floor), errors=_TRUE)
     if depths is None:
@@ -179,7 +182,7 @@ def _stretches(flight: Flight, legs: dict[str, State], ground: _Ground) -> Itera
 
 
 def _spot(sample: Sample, ground: _Ground) -> Spot:
-    """Where it means to be: the estimate, which has nothing to be wrong about in still water."""
+    """Return the planned place: that of the estimate, which has no errors in still water."""
     estimate = sample.estimate
     nn, ne, ee = estimate.covariance
     middle, spread = (nn + ee) / 2.0, math.hypot((nn - ee) / 2.0, ne)

@@ -1,2 +1,2 @@
-"""A mission flown many times, each in another sea that it assumes: what it will bring home, and how
+"""A mission flown many times, each in another sea within its assumptions: what it achieves, and how
 often."""

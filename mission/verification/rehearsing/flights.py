@@ -1,4 +1,4 @@
-"""One rehearsed flight as a row of figures, and the same for many, on all cores."""
+"""Rehearsed flights, each as a row of figures, on all cores."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ from mission.verification.workers.places import Place
 
 @dataclass(frozen=True, slots=True)
 class Job:
-    """Picklable: what a worker needs to fly one."""
+    """What a worker needs to fly one flight; picklable."""
 
     text: str
     source: str
@@ -41,14 +41,15 @@ class Job:
     seed: int
     number: int
     bathymetry: str = ""  # a file of depths
-    given: tuple[str, ...] = ()  # settings that are not drawn
+    given: tuple[str, ...] = ()  # settings that are given, not drawn
 
 
 @dataclass(frozen=True, slots=True)
 class Flown:
-    """SI; ``surfaced`` is the true place at the end, m from home, where it is at the surface.
+    """One flight, in SI units. ``surfaced``: the true place at the end, m from home, if the vehicle
+    is at the surface.
 
-    ``near``: of each limit, the greatest share of it that was used.
+    ``near``: for each limit, the greatest share of it that was used.
     """
 
     number: int
@@ -57,18 +58,18 @@ class Flown:
     reason: str
     time: float
     energy: float
-    error: float  # m, of the position, the greatest while it was flown
+    error: float  # m, the greatest position error of the flight
     coverage: tuple[Coverage, ...]
     surfaced: tuple[float, float] | None
     near: tuple[tuple[str, float], ...]
     achieved: tuple[Achieved, ...] = ()
     bathymetry: str = ""
-    clearance: float | None = None  # m of water under it, the least; where the file knows the floor
-    legs: tuple[str, ...] = ()  # those that were flown, each once
+    clearance: float | None = None  # m, the least water under the vehicle, if the file has it
+    legs: tuple[str, ...] = ()  # the legs that were flown, each once
 
     @property
     def covered(self) -> float:
-        """The least share of an area that was truly seen; 1 where nothing says a swath."""
+        """The least share of an area that was truly seen; 1 if no leg states a swath."""
         return min((c.true for c in self.coverage), default=1.0)
 
 
@@ -83,8 +84,8 @@ def rehearsed(
     bathymetry: str = "",
     given: tuple[str, ...] = (),
 ) -> Iterator[Flown | Lost]:
-    """In the order of their numbers, whatever works on them. ``bathymetry``: a file that can be
-    read, wherever they are flown. ``given``: settings of every flight, that can be read."""
+    """Yield the flights in the order of their numbers, wherever they are flown. ``bathymetry``: a
+    file that every worker can read. ``given``: valid settings of every flight."""
     named = tuple(sorted(parameters.items()))
     jobs = [
         Job(prepared.text, prepared.source, vehicle, named, seed, number, bathymetry, given)
@@ -94,7 +95,7 @@ def rehearsed(
 
 
 def _one(job: Job) -> Flown:
-    with uncollected():  # until the flight is gone with all that it made
+    with uncollected():  # until all objects of the flight are freed
         return _flown(job)
 
 
@@ -136,13 +137,14 @@ def _depths(path: str) -> Depths | None:
 def _prepared(
     text: str, source: str, vehicle: str | None, parameters: tuple[tuple[str, str], ...]
 ) -> tuple[Prepared, MissionValidator]:
-    """Once for all flights of a worker, as the verdict that the vehicle comes to on board."""
+    """Prepare the mission and its validator, once for all flights of a worker."""
     found = prepare_text(text, source, vehicle, dict(parameters), beside(Path(source)))
     return found, MissionValidator(found.vehicle)
 
 
 def energy_of(flight: Flight, chart: Chart, vehicle: Vehicle) -> float:
-    """J by the vehicle file's powers: each leg's, for as long as it lasted."""
+    """Return the energy of a flight in J, by the powers of the vehicle file: the power of each leg
+    for as long as it lasted."""
     assume = Assumptions.of(chart.mission, vehicle, vehicle.limits.depth)
     power = {
         state.path.partition("/")[2]: LegBounds(state, vehicle, assume, None).power

@@ -1,4 +1,4 @@
-"""A rehearsal as one HTML page: the picture, and every figure in a table. Nothing is loaded."""
+"""A rehearsal as one HTML page, which loads nothing: the picture, and every figure in a table."""
 
 from __future__ import annotations
 

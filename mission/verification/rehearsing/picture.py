@@ -23,7 +23,7 @@ _GOOD, _BAD, _REGION = "#3b7ea1", "#c1440e", "#256f2f"
 def draw_rehearsal(
     made: Rehearsal, flown: Sequence[Flown], to: Path | IO[bytes], title: str, format_: str = ""
 ) -> None:
-    """Writes a PNG or SVG; "": by the suffix. Raises OSError."""
+    """Write a PNG or SVG. ``format_`` "": by the suffix. Raises OSError."""
     import matplotlib as mpl
 
     mpl.use("Agg")

@@ -1,4 +1,4 @@
-"""What many flights say together: shares, spreads, limits that came near, and the worst ten."""
+"""The results of many flights together: shares, spreads, use of the limits, and the worst ten."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _Z = 1.96  # of a normal distribution: 95 %
 
 @dataclass(frozen=True, slots=True)
 class Spread:
-    """5 %, half and 95 % of the flights are below these."""
+    """Values that 5 %, half and 95 % of the flights do not exceed."""
 
     low: float
     middle: float
@@ -33,7 +33,7 @@ class Spread:
 
 @dataclass(frozen=True, slots=True)
 class Region:
-    """The ellipse about where flights came up that holds ``share`` of them; m and rad."""
+    """The ellipse that holds ``share`` of the places where flights came up; m and rad."""
 
     share: float
     north: float
@@ -53,7 +53,7 @@ class Rehearsal:
     coverage: dict[str, tuple[Spread, Spread]]  # by leg: true, by the estimate
     reached: dict[str, tuple[int, float, float]]  # by leg: flights, 95 % interval of the share
     regions: tuple[Region, ...]
-    near: dict[str, float]  # of each limit, the greatest share that any flight used
+    near: dict[str, float]  # for each limit, the greatest share that any flight used
     worst: tuple[Flown, ...]
     clearance: tuple[Spread, int] | None = None  # m over the floor of a file; flights aground
     legs: dict[str, int] = field(default_factory=dict)  # in how many flights each was flown
@@ -61,14 +61,15 @@ class Rehearsal:
 
     @property
     def never(self) -> tuple[str, ...]:
-        """Legs that no flight came to."""
+        """Legs that no flight reached."""
         return tuple(leg for leg, flights in self.legs.items() if not flights)
 
 
 def report_of(
     flown: Sequence[Flown], legs: Sequence[str] = (), given: Sequence[str] = ()
 ) -> Rehearsal:
-    """Of at least one flight; ``legs`` of the mission."""
+    """Report on at least one flight. ``legs``: those of the mission; ``given``: settings of every
+    flight."""
     came = Counter(leg for f in flown for leg in f.legs)
     completed = sum(f.outcome == "completed" for f in flown)
     return Rehearsal(
@@ -117,12 +118,12 @@ def _reached(flown: Sequence[Flown]) -> dict[str, tuple[int, float, float]]:
 
 
 def quantile(ranked: Sequence[float], share: float) -> float:
-    """The smallest value that at least ``share`` of them do not exceed."""
+    """Return the smallest value that at least ``share`` of the values do not exceed."""
     return ranked[max(0, math.ceil(share * len(ranked)) - 1)]
 
 
 def wilson(hits: int, of: int) -> tuple[float, float]:
-    """The 95 % interval of a probability (Wilson 1927, score interval)."""
+    """Return the 95 % interval of a probability (Wilson 1927, score interval)."""
     share, z2 = hits / of, _Z * _Z
     middle = (share + z2 / (2 * of)) / (1 + z2 / of)
     half = _Z / (1 + z2 / of) * math.sqrt(share * (1 - share) / of + z2 / (4 * of * of))
@@ -130,7 +131,8 @@ def wilson(hits: int, of: int) -> tuple[float, float]:
 
 
 def regions(places: Sequence[tuple[float, float]]) -> tuple[Region, ...]:
-    """Ellipses of the places' covariance, each as large as it must be to hold its share."""
+    """Return ellipses of the places' covariance, each just large enough to hold its share; none of
+    fewer than three places."""
     if len(places) < 3:
         return ()
     import numpy as np
@@ -151,13 +153,13 @@ def regions(places: Sequence[tuple[float, float]]) -> tuple[Region, ...]:
 
 
 def again(flown: Flown, source: str, seed: int) -> str:
-    """The command that flies it once more."""
+    """Return the command that repeats this flight."""
     said = " ".join(f"--set {shlex.quote(text)}" for text in flown.settings)
     floor = f" --bathymetry {shlex.quote(flown.bathymetry)}" if flown.bathymetry else ""
     return f"auvmission simulate {source} --seed {seed + flown.number} {said}{floor}"
 
 
-# --- told -----------------------------------------------------------------------------------------
+# --- output ---------------------------------------------------------------------------------------
 
 
 def as_text(made: Rehearsal, source: str, seed: int) -> str:

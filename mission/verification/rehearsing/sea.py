@@ -1,14 +1,14 @@
-"""The sea of one rehearsed flight, drawn from what the mission assumes and the vehicle file says.
+"""The sea of one rehearsed flight, drawn from the mission's assumptions and the vehicle file.
 
-    current        anywhere in the disc that `assume current` is the radius of, alike over its area
-    compass bias   normal, one sigma as in the vehicle file, about the bias that it knows
+    current        uniform over the disc with the radius of `assume current`
+    compass bias   normal about the bias in the vehicle file, with the sigma that is there
     speed          normal, one sigma half of what the check allows (thrust ~ speed squared)
-    buoyancy       normal, a tenth of what the simulated vehicle has
+    buoyancy       normal, one sigma a tenth of what the simulated vehicle has
     floor          that of `assume floor`, else the simulator's own
 
 Everything else (noise, slow errors, when the receiver finds its first fix) follows from the seed.
-What is drawn is said in the texts of ``simulate --set``, so that any flight can be flown again.
-What is given in such a text is as given in every flight, and nothing is drawn for it.
+Drawn values are texts of ``simulate --set``, so that any flight can be flown again. A setting that
+is given as such a text has that value in every flight, and is not drawn.
 """
 
 from __future__ import annotations
@@ -26,7 +26,8 @@ from mission.verification.rig.vehicle import body_of
 def sea_of(
     mission: Mission, vehicle: Vehicle, seed: int, number: int, given: Sequence[str]
 ) -> tuple[str, ...]:
-    """What is drawn for flight ``number``, but for what ``given`` sets, and then that."""
+    """Return the settings of flight ``number``: those drawn, except for the keys in ``given``, then
+    ``given``."""
     keys = {_key(text) for text in given}
     kept = (text for text in drawn(mission, vehicle, seed, number) if _key(text) not in keys)
     return (*kept, *given)
@@ -37,7 +38,7 @@ def _key(text: str) -> str:
 
 
 def drawn(mission: Mission, vehicle: Vehicle, seed: int, number: int) -> tuple[str, ...]:
-    """Settings of flight ``number``, as texts; the same for the same arguments."""
+    """Draw the settings of flight ``number``, as texts; the same for the same arguments."""
     rng = Random(f"{seed}/{number}")
     speed = mission.current(vehicle.current) * math.sqrt(rng.random())
     towards = rng.uniform(0.0, 360.0)

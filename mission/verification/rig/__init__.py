@@ -1,1 +1,1 @@
-"""Runtime, simulated vehicle, links and operators in lock step, and the trace that laws read."""
+"""Runtime, simulated vehicle, links and operators in lock step, and the trace that laws judge."""

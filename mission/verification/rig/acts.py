@@ -1,6 +1,7 @@
-"""What may be done to a rig beside what it does by itself: one thing at one time.
+"""Disturbances of a rig: each is one act at one time.
 
-What does not live here: what is drawn (campaign.disturbances), how it is done (rig).
+What does not live here: which disturbances are drawn (campaign.disturbances), how the rig carries
+them out (rig).
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
 """The event loop of every simulated flight: time jumps from event to event.
 
-There is no tick, no clock and no thread; the same inputs give the same bytes. Of those who are due
-at one instant, whoever stands first in ``dues`` goes first, then the next look is taken.
+There is no tick, no clock and no thread; the same inputs give the same bytes. If several are due at
+one instant, the first in ``dues`` runs; then the loop asks ``dues`` again.
 
-    Busy      (a bug of whoever is due: an instant that never ends)
+    Busy      (a bug of a participant: it is due again and again, and time does not advance)
 
 What does not live here: who takes part (rig, exhaustive.world), the loop at sea (onboard.serve).
 """
@@ -14,25 +14,25 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable
 
-_MOST = 200  # at one instant: more, and somebody is never done
-Due = tuple[float | None, Callable[[], None]]  # s, and what is then to be done
+_MOST = 200  # actions at one instant; with more, a participant never finishes
+Due = tuple[float | None, Callable[[], None]]  # time in s, and the action that is due then
 
 
 class Busy(Exception):
-    """Somebody is due again and again at one instant."""
+    """A participant is due again and again at one instant."""
 
 
 class LockStep(ABC):
     def __init__(self, now: float = 0.0) -> None:
         self.now = now
-        self._at_once = 0  # things done without time passing
+        self._at_once = 0  # actions since time last advanced
 
     @abstractmethod
     def dues(self) -> Iterable[Due]:
-        """When who has something to do; None: not before another has."""
+        """Return who is due when. None: only after an action of another participant."""
 
     def step(self, until: float = math.inf) -> bool:
-        """What is due first, if something is by then. Raises Busy."""
+        """Do the first action that is due by ``until``; False if there is none. Raises Busy."""
         now, first, act = self.now, math.inf, None
         for due, what in self.dues():
             if due is not None and due < first:
@@ -50,7 +50,7 @@ class LockStep(ABC):
         return True
 
     def run_until(self, end: float) -> None:
-        """All that is due until then; it is then."""
+        """Do all that is due by ``end``, and set the time to ``end``. Raises Busy."""
         while self.step(end):
             pass
         self.now = end

@@ -1,10 +1,10 @@
-"""The program on board, on the rig's clock: a runtime that can be killed and begun anew.
+"""The program on board, on the rig's clock: a runtime that can be killed and restarted.
 
-Each runtime's time begins at 0, as at sea; here all times are the rig's. While nobody lives,
-bytes are lost. What a runtime made durable is all that the next one knows. It may die inside a
-write of its store; what it would have sent then is never sent.
+Each runtime's time begins at 0, as at sea; here all times are the rig's. While no runtime is alive,
+bytes are lost. The next runtime knows only what the one before made durable. A runtime may die
+inside a write of its store; what it would have sent after the write is never sent.
 
-What does not live here: when it is killed, what its bytes are for (rig).
+What does not live here: when the program is killed, where its bytes go (rig).
 """
 
 from __future__ import annotations
@@ -27,9 +27,9 @@ from mission.onboard.store import MemoryStore, Stored, StoreError
 
 NAVIGATION_AFTER = 2.0  # s from a start until the filter is loaded, on the Pi
 _SAME = 1e-6  # s
-LEAVES_WITHIN = 290.0  # s, from SIGTERM to the last words (serve: leaving)
-LAST_WORDS = 3.0  # s that they are given
-DEAD = "dead"  # the state while no runtime lives
+LEAVES_WITHIN = 290.0  # s, from SIGTERM to the last commands (serve: leaving)
+LAST_WORDS = 3.0  # s that the last commands have, to leave
+DEAD = "dead"  # the state while no runtime is alive
 
 
 class Died(Exception):
@@ -42,7 +42,7 @@ class Death(enum.Enum):
 
 
 class FillableStore(MemoryStore):
-    """A disk that may be full for a while; ``death`` is what the next write is for the program."""
+    """A disk that may be full for a while. ``death``: how the next write kills the program."""
 
     def __init__(self, content: Stored | None = None) -> None:
         super().__init__(content)
@@ -60,9 +60,9 @@ class FillableStore(MemoryStore):
 
 
 class Program:
-    """``wall`` is the wall clock at the rig's time 0, s since 1970 UTC. ``recorder`` is called once
-    for each life; ``judge`` that of all lives, None: each has its own. It tells nobody what it
-    does until somebody listens."""
+    """A runtime, or none while it is dead. ``wall``: the wall clock at the rig's time 0, s since
+    1970 UTC. ``recorder`` is called once for each runtime. ``judge``: the validator of all
+    runtimes; None: each has its own. Steps and estimates go nowhere until ``listen`` is called."""
 
     def __init__(
         self,
@@ -80,10 +80,10 @@ class Program:
         self._tell_estimate: Callable[[Estimate], None] = lambda estimate: None
         self._zero = 0.0
         self.runtime: Runtime | None = None
-        self.navigation: Navigation | None = None  # of the runtime that lives, once it is loaded
+        self.navigation: Navigation | None = None  # of the runtime now, once it is loaded
         self._navigation_due: float | None = None
-        self._leaves: float | None = None  # when the last words are due
-        self._gone: float | None = None  # when it has said them, at the latest
+        self._leaves: float | None = None  # when the last commands are due
+        self._gone: float | None = None  # when the program ends, at the latest
 
     @property
     def lives(self) -> bool:
@@ -94,7 +94,7 @@ class Program:
         return self.runtime.state if self.runtime else DEAD
 
     def boot(self, now: float, navigation_after: float = NAVIGATION_AFTER) -> None:
-        """Who dies in the first write of a start is started again; the store kills once."""
+        """Start the program. If it dies in the first write, start again: the store kills once."""
         self._zero, wall = now, self._wall + now
         while self.runtime is None:
             with suppress(Died):
@@ -114,7 +114,7 @@ class Program:
         self.runtime = self.navigation = self._navigation_due = self._leaves = self._gone = None
 
     def navigate(self, now: float) -> list[Tx]:
-        """The filter is loaded."""
+        """Give the runtime its navigation, since the filter is loaded; return what it sends."""
         self._navigation_due = None
         if self.runtime is None:
             return []
@@ -122,7 +122,8 @@ class Program:
         return self._shifted(Runtime.set_navigation, now, navigation)
 
     def end(self, now: float, *, at_once: bool = False) -> list[Tx]:
-        """As by SIGTERM: it dies by itself when the vehicle needs nobody (serve: leaving)."""
+        """Tell the program to end, as SIGTERM does. It ends by itself once the vehicle can be left
+        alone (serve: leaving)."""
         if self.runtime is None or (at_once and self._leaves is None):
             return []
         self._leaves = now if at_once else now + LEAVES_WITHIN
@@ -132,11 +133,11 @@ class Program:
 
     @property
     def is_leaving(self) -> bool:
-        """Told to end, and still there."""
+        """Whether the program was told to end and is still alive."""
         return self._leaves is not None
 
     def _leave(self, now: float, *, said: bool = False) -> None:
-        """Where it was told to, and may."""
+        """End the program if it was told to end and may. ``said``: its last commands were sent."""
         runtime = self.runtime
         if runtime is None or self._leaves is None:
             return
@@ -146,11 +147,11 @@ class Program:
             self.kill()
 
     def listen(self, step: Callable[[Step], None], estimate: Callable[[Estimate], None]) -> None:
-        """Who is told from now on, with the rig's times."""
+        """Pass each step and estimate to these from now on, in the rig's time."""
         self._tell_step, self._tell_estimate = step, estimate
 
     def begin_again(self, now: float) -> None:
-        """``now`` is 0 of another rig; the program lives on."""
+        """Move the program to another rig, whose time 0 is ``now`` here. It continues to run."""
         self._zero -= now
         if self._navigation_due is not None:
             self._navigation_due -= now
@@ -167,7 +168,7 @@ class Program:
             rx = rx._replace(t=max(rx.t - self._zero, 0.0))
             return self._shifted(Runtime.receive, now, rx)
         try:
-            return self.runtime.receive(rx, now)  # as most often
+            return self.runtime.receive(rx, now)  # the usual case
         except Died:
             self.kill()
             return []
@@ -198,7 +199,8 @@ class Program:
         return first
 
     def _shifted(self, call: Callable[..., list[Tx]], now: float, *given: object) -> list[Tx]:
-        """What the runtime makes of it, which counts from its own begin; the time stands last."""
+        """Call a method of the runtime in the runtime's own time, which is the last argument.
+        Return what it sends, in the rig's time."""
         if self.runtime is None:
             return []
         at = now - self._zero
@@ -228,4 +230,4 @@ class Program:
         self._tell_estimate(estimate)
 
     def notice(self, text: str) -> None:
-        """Not for this one."""
+        """Ignore notices."""

@@ -1,7 +1,7 @@
-"""The operator of a flight in simulation: uploads and starts it by real bytes, as a plain topside.
+"""The operator of a simulated flight: uploads and starts the mission in real bytes, as a topside.
 
     line 1 .. n, each after the ACK of the one before  -->  @AQ, digest compared  -->  @AA until
-    it is accepted  -->  what the flight's script has him send, at its times after the start
+    it is accepted  -->  the bytes of the flight's script, at its times after the start
 
 What does not live here: the real operator's programs (upload), the Pi's answers (topside).
 """
@@ -17,14 +17,14 @@ from protocol.topside import Answer, ConsoleCodec, encode
 
 ANSWER_S = 1.0  # network (R1)
 TRIES = 3
-FIRST_START_S = 5.0  # the vehicle has told where it is by then
+FIRST_START_S = 5.0  # by then the vehicle has reported its position
 START_EVERY_S = 2.0
-START_UNTIL_S = 120.0  # a cold GPS receiver needs a while
+START_UNTIL_S = 120.0  # a cold GPS receiver needs time for its first fix
 
 
 @dataclass(frozen=True, slots=True)
 class Cue:
-    """Bytes that the operator sends ``after`` so many seconds of mission."""
+    """Bytes that the operator sends ``after`` s of mission."""
 
     after: float
     data: bytes
@@ -39,7 +39,7 @@ class _Phase(enum.Enum):
 
 
 class Operator:
-    """Sans-IO. ``failure`` says why there is no mission under way; "" while all is well."""
+    """The operator, without IO. ``failure``: why no mission is under way; "" without a failure."""
 
     def __init__(self, lines: Sequence[str], digest: str, script: Sequence[Cue] = ()) -> None:
         self._lines, self._digest = tuple(lines), digest
@@ -60,7 +60,7 @@ class Operator:
         return self._due
 
     def handle_timer(self, now: float) -> list[bytes]:
-        """What is due: the first try, another one, or the next of the script."""
+        """Return the bytes that are due: a first try, a retry, or the next of the script."""
         if self._phase is _Phase.FAILED:
             return []
         if self._phase is _Phase.WATCH:

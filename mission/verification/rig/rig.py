@@ -1,14 +1,14 @@
-"""Program, simulated vehicle, links and operators in lock step, and all that may happen to them.
+"""Program, simulated vehicle, links and operators in lock step, and the disturbances of them.
 
     operator --bytes--> Program --bytes--> SimulatedVehicle
              <--bytes--         <--bytes--
     disturbances --> boats, modem, cable, disk, power, the program itself
 
-Every simulated flight is one of these; who flies it says what is disturbed and when it is over.
-What it saw stands in ``events``, in its order: what was heard and told only where it is ``judged``.
+Every simulated flight is a rig; its caller plans the disturbances and decides when it is over.
+``events`` has what the rig saw, in order. Heard and Told are kept only if the rig is ``judged``.
 
-What does not live here: what is disturbed (campaign.disturbances), when a flight is over and what
-came of it (simulation.flight, campaign.trial), what the exhaustive proof plays (exhaustive.world).
+What does not live here: which disturbances there are (campaign.disturbances), when a flight is over
+and its results (simulation.flight, campaign.trial), the exhaustive proof (exhaustive.world).
 """
 
 from __future__ import annotations
@@ -32,24 +32,24 @@ from mission.verification.rig.rehearsal import Operator
 from mission.verification.rig.trace import Done, Event, Heard, Said, Told
 from mission.verification.rig.vehicle import Simulated
 
-RESTART = 3.0  # s until a program that died by itself is begun anew
-_WAITS = (Act.SAY, Act.JOIN, Act.PART, Act.END, Act.HURRY)  # for a program that stands still
+RESTART = 3.0  # s until a program that died by itself is restarted
+_WAITS = (Act.SAY, Act.JOIN, Act.PART, Act.END, Act.HURRY)  # while the program is stalled
 _DEATHS = {Act.DIE_BEFORE: Death.BEFORE, Act.DIE_AFTER: Death.AFTER}
-_PORTS = (VEHICLE, SENSORS, *RECEIVERS)  # what comes from there is no operator's
+_PORTS = (VEHICLE, SENSORS, *RECEIVERS)  # links of the vehicle, not of operators
 _GPS_NODE = re.compile(rb"BDGPS ([OC])")
 
 
 def _beside(sea: Simulated) -> Iterator[Link]:
-    """The links of what is added to it: sensors, a second receiver."""
+    """The links of added sensors and of a second receiver."""
     if isinstance(sea, SimulatedVehicle):
         yield from (link for link in (sea.added_link, sea.second_link) if link is not None)
 
 
 class Rig(LockStep):
-    """``operator`` is at the boat, and begins at ``operator_from``; each answer to an answer takes
-    him ``radio`` s, 0: none at all. ``program`` has been begun."""
+    """``operator`` is on the boat and begins at ``operator_from`` s. ``radio``: s until his reply
+    to an answer reaches the program. ``program`` is running already."""
 
-    judged = True  # by laws, which ask for all that was heard and told
+    judged = True  # by laws, which need all Heard and Told events
 
     def __init__(
         self,
@@ -67,9 +67,9 @@ class Rig(LockStep):
         self.gps_open = self._lived = True
         self._operator_from, self._radio = operator_from, radio
         self._planned: list[tuple[float, int, Disturbance]] = []
-        self._count = 0  # of what was ever planned: of one time, the first goes first
-        self._held: list[Disturbance] | None = None  # what came while the program stands still
-        self._unnoticed = False  # the cable is back, and the program has not seen it
+        self._count = 0  # all ever planned: at one time, the first planned is done first
+        self._held: list[Disturbance] | None = None  # arrived while the program is stalled
+        self._unnoticed = False  # the cable is back, and the program does not know it yet
         self._links: tuple[tuple[Callable[[], float | None], Callable[[], None]], ...] = (
             (sea.vehicle_link.next_event, self._hear_vehicle),
             (sea.gps_link.next_event, self._hear_gps),
@@ -80,7 +80,7 @@ class Rig(LockStep):
     # --- who is due ------------------------------------------------------------------------------
 
     def dues(self) -> Sequence[Due]:
-        """Bytes before timers: what has arrived by then is known by then."""
+        """Bytes come before timers: at a timer, the program knows all that has arrived."""
         dues: list[Due] = [(next_event(), hear) for next_event, hear in self._links]
         if self._planned:
             dues.append((self._planned[0][0], self._do_planned))
@@ -105,7 +105,8 @@ class Rig(LockStep):
         self.send(self.program.handle_timer(self.now))
 
     def _died(self) -> None:
-        """By a disturbance, or inside a write: then the service manager and the boat do theirs."""
+        """Note the death of the program. If no KILL explains it, plan the restart by the service
+        manager and the boat's new connection."""
         self._lived = False
         last = next((e for e in reversed(self.events) if isinstance(e, Done)), None)
         if last is None or last.act is not Act.KILL or last.t != self.now:
@@ -117,14 +118,14 @@ class Rig(LockStep):
         self.plan(Disturbance(self.now + RESTART, Act.BOOT))
         self.plan(Disturbance(self.now + RESTART + 1.0, Act.JOIN))
 
-    # --- what comes in ---------------------------------------------------------------------------
+    # --- input -----------------------------------------------------------------------------------
 
     def join(self, address: str = BOAT, link: str = TOPSIDE) -> None:
         self.joined.add(address)
         self.send(self.program.connected(link, address, self.now))
 
     def say(self, link: str, address: str, data: bytes) -> list[Tx]:
-        """Nothing is said over a connection that is not there."""
+        """Send bytes to the program, and return its answers. A closed connection carries none."""
         if link == PORT:
             self._hear(Rx(self.now, link, data))
             return []
@@ -148,7 +149,7 @@ class Rig(LockStep):
             self._hear(rx)
 
     def _hear(self, rx: Rx) -> None:
-        """Bytes of the vehicle or its GPS."""
+        """Give the program bytes of the vehicle, its GPS or an added sensor."""
         if self._held is not None:
             self._held.append(Disturbance(self.now, Act.SAY, rx.data, rx.link, rx.address))
             return
@@ -156,12 +157,12 @@ class Rig(LockStep):
             self.events.append(Heard(self.now, rx.data))
         self.send(self.program.receive(rx, self.now))
 
-    # --- what goes out ---------------------------------------------------------------------------
+    # --- output ----------------------------------------------------------------------------------
 
     def send(self, sent: list[Tx]) -> None:
-        """Answers are answered in turn, until nobody has anything to say."""
+        """Deliver these bytes, then the answers to them, until nobody answers any more."""
         if not sent:
-            return  # as most often
+            return  # the usual case
         waiting = deque(sent)
         while waiting:
             tx = waiting.popleft()
@@ -177,7 +178,7 @@ class Rig(LockStep):
                 waiting += self.program.receive(Rx(self.now, NODES, tx.data + b"\n"), self.now)
 
     def answered(self, tx: Tx) -> list[Tx]:
-        """What comes of an operator's reaction to these bytes."""
+        """Return what the program sends because of the operator's reply to these bytes."""
         out: list[Tx] = []
         if self.operator is None or tx.address != BOAT:
             return out
@@ -188,7 +189,7 @@ class Rig(LockStep):
                 out += self.say(TOPSIDE, BOAT, data)
         return out
 
-    # --- what is disturbed -----------------------------------------------------------------------
+    # --- disturbances ----------------------------------------------------------------------------
 
     def plan(self, disturbance: Disturbance) -> None:
         self._count += 1
@@ -199,7 +200,8 @@ class Rig(LockStep):
             self.do(heapq.heappop(self._planned)[2])
 
     def do(self, disturbance: Disturbance) -> None:
-        """Now; or, where it needs the program and that stands still, when it goes on."""
+        """Carry out a disturbance. If it needs the program and the program is stalled, hold the
+        disturbance until the program runs again."""
         act = disturbance.act
         if self._held is not None and act in _WAITS:
             self._held.append(disturbance)
@@ -207,7 +209,7 @@ class Rig(LockStep):
         if act is Act.SAY:
             self.send(self.say(disturbance.link, disturbance.address, disturbance.data))
         elif act is not (Act.BOOT if self.program.lives else Act.STALL):
-            # nobody begins two programs, and the dead do not stand still
+            # no second program is started, and a dead one cannot be stalled
             self.events.append(Done(self.now, act))
             self._carry_out(disturbance)
 
@@ -254,12 +256,13 @@ class Rig(LockStep):
             self.send(self.program.connected(VEHICLE, "", self.now))
 
     def _are_gone(self) -> None:
-        """With the program: its connections, its nodes, what it had not read yet."""
+        """Reset what ends with the program: connections, node switches, bytes that are not read."""
         self.joined.clear()
         self.gps_open, self._held, self._unnoticed = True, None, False
 
     def _run_again(self) -> None:
-        """What came meanwhile is read in one piece a port; connections in their order."""
+        """Give the program what arrived while it was stalled: the bytes of each port as one piece,
+        then what connections did, in order."""
         held, self._held = self._held or [], None
         self._notice_line()
         ports: dict[str, bytes] = {}
@@ -272,7 +275,7 @@ class Rig(LockStep):
             if disturbance.link not in ports:
                 self.do(disturbance)
 
-    # --- what is kept ----------------------------------------------------------------------------
+    # --- recorded events -------------------------------------------------------------------------
 
     def stepped(self, step: Step) -> None:
         self.events.append(step)

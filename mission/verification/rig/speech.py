@@ -1,9 +1,9 @@
-"""What the frames of a board of documents 002 to 004 mean, in the words that the laws read.
+"""Translate the frames of the boards of documents 002 to 004 into the commands that laws read.
 
-    what X says        @ZAX0$        full thrust upward    @ZAU12$        downward    @ZAD12$
+    stop    @ZAX0$        full thrust upward    @ZAU12$        full thrust downward    @ZAD12$
 
-The boards repeat one frame instead of acknowledging words, and W is the bytes of upward thrust.
-Only what moves is compared; of the robot, nothing is upward.
+The boards repeat one frame instead of acknowledging commands, and W has the bytes of upward thrust.
+Only the fields that move the vehicle are compared. The robot has no upward motion.
 
 What does not live here: the laws (audit of boards, depth_laws, word_laws), the frames (protocol).
 """
@@ -24,7 +24,7 @@ from protocol.vehicles import codec, link
 from protocol.vehicles.adapter import SilentBoard
 from protocol.vehicles.robot_outputs import HANDSHAKE, ROBOT
 
-Motion = Mapping[str, Any]  # what of a frame moves; empty: nothing does
+Motion = Mapping[str, Any]  # the fields of a frame that move the vehicle; empty: none does
 WORDS: Mapping[bytes, Setpoint | Order] = {
     b"@ZAX0$": Order.STOP,
     b"@ZAU12$": UPWARD,
@@ -38,11 +38,11 @@ MOTION: Mapping[str, tuple[str, tuple[str, ...]]] = {
     "mainboard": ("coreboard.can", ("fx_g", "fy_g", "fz_g", "mx_nm", "my_nm", "mz_nm")),
 }
 _ROUND = frozenset({"heading_deg"})  # 180 and -180 are the same
-_NEAR, _NEAR_G = 0.1, 10.0  # deg, m, shares, N m; gram-force: a Step rounds what it says
+_NEAR, _NEAR_G = 0.1, 10.0  # deg, m, shares, N m; gram-force: a Step rounds its values
 
 
 class Speech:
-    """Raises KeyError for a vehicle whose frames are none of these."""
+    """What the frames of one vehicle mean. Raises KeyError for a vehicle that MOTION lacks."""
 
     def __init__(self, vehicle: Vehicle) -> None:
         row, self._moves = MOTION[vehicle.codec]
@@ -55,14 +55,14 @@ class Speech:
         self.lifts = bool(self.words[b"@ZAU12$"])
 
     def motions(self, command: Setpoint | Order) -> list[Motion]:
-        """Of each frame that says it; none where there is none."""
+        """Return the motion of each frame of a command; none if the board has no frame for it."""
         try:
             return [self.motion(frame) for frame in self.board.encode(command)]
         except CannotEncode:
             return []
 
     def motion(self, data: bytes) -> Motion:
-        """Empty: it is an output's own word."""
+        """Return what a frame moves; empty for the own command of an output."""
         if data not in self._known:
             if len(self._known) > 5000:
                 self._known.clear()
@@ -78,14 +78,14 @@ class Speech:
         return {}
 
     def word(self, data: bytes) -> bytes:
-        """The word of the laws that it is; "" if it is none of them, or a part of several, as no
-        torque is."""
+        """Return the command in WORDS that this frame is. b"" if it is none, or may be a part of
+        several, such as the frame of zero torque."""
         said = self.motion(data)
         found = [word for word, meant in self.words.items() if said and same(meant, said)]
         return found[0] if len(found) == 1 else b""
 
     def steers(self, word: bytes) -> bool:
-        """Whether it has frames for this M."""
+        """Whether the board has frames for this M."""
         try:
             return bool(self.board.stick(Setpoint(), word))
         except CannotEncode:
@@ -93,7 +93,7 @@ class Speech:
 
 
 def same(asked: list[Motion], said: Motion) -> bool:
-    """Whether it is one of those; numbers may differ by what rounding makes of them."""
+    """Whether ``said`` is one of ``asked``; numbers may differ by rounding."""
     return any(one.keys() == said.keys() and _near(one, said) for one in asked)
 
 

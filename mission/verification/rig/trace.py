@@ -1,6 +1,6 @@
-"""What a rig saw, in order: the trace that laws judge, whoever flew.
+"""What a rig saw, in order: the trace that laws judge.
 
-What does not live here: what is asked of it (campaign: laws, audit, whole_flight).
+What does not live here: the laws (campaign: laws, audit, whole_flight).
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ class Said:
 
 @dataclass(frozen=True, slots=True)
 class Heard:
-    """Bytes of the vehicle that reached the program."""
+    """Bytes from the vehicle that reached the program."""
 
     t: float
     data: bytes
@@ -33,7 +33,7 @@ class Heard:
 
 @dataclass(frozen=True, slots=True)
 class Told:
-    """A telemetry that was taken, with the estimate that came of it."""
+    """The estimate after a report that the program accepted."""
 
     t: float
     estimate: Estimate
@@ -41,7 +41,7 @@ class Told:
 
 @dataclass(frozen=True, slots=True)
 class Done:
-    """A disturbance that is no bytes."""
+    """A disturbance other than bytes."""
 
     t: float
     act: Act
@@ -52,7 +52,7 @@ Event = Said | Heard | Told | Done | Step | Tx
 
 @dataclass(frozen=True, slots=True)
 class Trace:
-    """``raised`` is the traceback of a fault of the program, "" if none."""
+    """``raised``: the traceback of an error in the program, "" without one."""
 
     events: tuple[Event, ...]
     track: tuple[Truth, ...]  # one a second
@@ -62,10 +62,10 @@ class Trace:
     failure: str  # why the operator could not start the mission, ""
     started: float | None
     raised: str
-    turning: bool  # some thruster is on at the end
+    turning: bool  # a thruster is on at the end
     mission: Mission  # the one that was flown first
 
 
 def from_home(trace: Trace, place: Truth) -> tuple[float, float]:
-    """m north and east, by the simulator's own geodesy."""
+    """Return the place in m north and east of home, by the simulator's own geodesy."""
     return local(trace.home, place.latitude, place.longitude)

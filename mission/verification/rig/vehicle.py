@@ -1,6 +1,6 @@
-"""The vehicle that verification flies, the simulated one that it describes, and where it lies.
+"""The vehicle file that verification flies, the simulated vehicle of that file, and its home.
 
-What does not live here: what it is made of (links.simulated).
+What does not live here: the parts of the simulated vehicle (links.simulated).
 """
 
 from __future__ import annotations
@@ -32,14 +32,14 @@ _FITTED: Mapping[str, str] = MappingProxyType(
         RANGE: "ranges",
     }
 )
-# The shipped file leaves open which way its motors push, so that it holds nothing (R17). The
-# simulated boards push as it reads them: there it is as if somebody had seen it on this day.
+# The shipped file does not confirm which way its motors push, so it holds nothing (R17). The
+# simulated boards push as the file reads them, so campaigns fly it as confirmed on this day.
 CONFIRMED = {"mainboard": "2026-11-22"}
 
 
 @functools.cache
 def flown(name: str) -> Vehicle:
-    """The shipped vehicle of this name as campaigns fly it. Raises VehicleError."""
+    """Return the shipped vehicle of this name, as campaigns fly it. Raises VehicleError."""
     vehicle = load_vehicle(name)
     loop = vehicle.outer_loop
     if loop is None or vehicle.name not in CONFIRMED:
@@ -56,9 +56,9 @@ def simulated(
     heading: float = 0.0,
     start: datetime = START,
 ) -> Simulated:
-    """``position``: latitude and longitude, rad; ``start``: the receiver's time. Raises
-    SettingError for a fault or a sensor that it cannot have, ValueError for a codec without a
-    board."""
+    """Make the simulated vehicle. ``position``: latitude and longitude, rad; ``heading``: rad;
+    ``start``: the receiver's time. Raises SettingError for a fault or a sensor that the vehicle
+    cannot have, ValueError for a codec without a simulated board."""
     if vehicle.codec == "auv":
         return SimulatedVehicle(
             vehicle.dialect,
@@ -84,14 +84,14 @@ def simulated(
 
 
 def body_of(codec: str) -> Body:
-    """That of the simulated vehicle or board."""
+    """Return the body of the simulated vehicle or board of this codec."""
     board = BOARDS.get(codec)
     return board.body if board is not None and issubclass(board, WaterBoard) else Body()
 
 
 def _fitted(vehicle: Vehicle, settings: Settings | None) -> Settings | None:
-    """With the sensors that the vehicle file has (``added``), each as noisy as it says, unless the
-    settings say how noisy one truly is; beacons likewise."""
+    """Add the sensors of the vehicle file (``added``), each with the noise that the file states
+    unless the settings state its true noise; and likewise the beacons."""
     given = (settings or Settings()).added
     there = given.beacons or tuple(
         SimulatedBeacon(int(number), b.latitude, b.longitude, b.depth)
@@ -111,12 +111,14 @@ def _fitted(vehicle: Vehicle, settings: Settings | None) -> Settings | None:
 
 
 def in_dialect(vehicle: Vehicle, profile: str | None) -> Vehicle:
-    """As ``profile`` says; "" or None: as its file does. Only the AUV's board has profiles."""
+    """Return the vehicle in the dialect of ``profile``; "" or None: as its file says. Only the
+    AUV's board has profiles."""
     return replace(vehicle, dialect=profile) if profile and vehicle.codec == "auv" else vehicle
 
 
 def home_of(mission: Mission) -> tuple[float, float]:
-    """Latitude and longitude, rad; that of the demonstration where the mission states none."""
+    """Return the mission's home, latitude and longitude in rad; without one, that of the
+    demonstration."""
     home = mission.home
     return (
         HOME

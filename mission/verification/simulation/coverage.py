@@ -1,10 +1,10 @@
-"""What rows with a swath have really seen of their area, by truth and by estimate.
+"""How much of their area rows with a swath have seen, by truth and by estimate.
 
     area      length x ((count - 1) spacing + min(swath, spacing)), about the rows; or a polygon
     seen      at each step along the rows, half a swath to either side, across them
 
-A step that leads more across the rows than along them turns, and sees nothing. What the estimate
-says is what the vehicle would report; what is true is what the author brings home.
+A step more across the rows than along them is a turn, and sees nothing. The vehicle would report
+the coverage by the estimate; the true coverage is what the author gets.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ class Coverage:
 
 
 def coverage_of(flight: Flight, mission: Mission) -> tuple[Coverage, ...]:
-    """For each leg of rows that says a swath, in the mission's order."""
+    """Return the coverage of each leg of rows that states a swath, in the mission's order."""
     frame = LocalFrame(mission.home) if mission.home is not None else None
     found = []
     for path, leg, _ in aims_of(mission.body, ()):
@@ -63,7 +63,7 @@ def seen(
     runs: Iterable[Iterable[Sample]],
     place: Callable[[Sample], Point],
 ) -> float:
-    """The share of the area that was seen from the places of the samples of each run."""
+    """Return the share of the area that was seen from the places of the samples of all runs."""
     import numpy as np
 
     along, across, area = _cells(pattern)
@@ -85,8 +85,8 @@ def seen(
 
 @functools.lru_cache(maxsize=8)
 def _cells(pattern: Pattern) -> tuple[Any, Any, Any]:
-    """The middles of the cells along the rows and across them, m; which of them (along x across)
-    lie in the area, None: all. The rows of many flights are the same."""
+    """Return the middles of the cells along and across the rows, m, and which cells (along x
+    across) lie in the area; None: all. Cached, since many flights have the same rows."""
     import numpy as np
 
     long, wide = (axis[1] - axis[0] for axis in (pattern.along, pattern.across))
@@ -100,13 +100,13 @@ def _cells(pattern: Pattern) -> tuple[Any, Any, Any]:
 
 
 def is_of(name: str, path: str) -> bool:
-    """Whether it is that leg, or one of its parts, in whatever round."""
+    """Whether ``name`` is the leg at ``path`` or one of its rows, in any round."""
     plain = name.partition("#")[0]
     return plain == path or plain.startswith(f"{path}/row")
 
 
 def _entered(flight: Flight, begun: float) -> Point:
-    """Where a leg was entered, as the vehicle took it."""
+    """Return the place where a leg was entered, by the estimate."""
     here = next((s for s in flight.samples if s.t >= begun), None)
     return _belief(here) if here is not None else (0.0, 0.0)
 
@@ -126,7 +126,7 @@ def as_json_of(found: Iterable[Coverage]) -> list[dict[str, str | float]]:
 
 
 def told(found: Iterable[Coverage]) -> list[str]:
-    """A line each, for people."""
+    """Return one line of text for each."""
     return [
         f"coverage          {c.leg}: {c.true:.0%} of its area, {c.estimated:.0%} by the estimate"
         for c in found

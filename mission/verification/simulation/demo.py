@@ -1,11 +1,11 @@
-"""The demonstration: a mission from its file to the vehicle and home, over real bytes.
+"""The demonstration: a mission from its file to the vehicle and back home, over real bytes.
 
     auvmission vehicle   <-- pty ----------->  auvmission serve    <-- TCP -->  this process
     (board, body, GPS)   <-- pty: GPS ------>  (the Pi's program)               (the operator)
 
 Three processes and one time factor. The operator uploads line by line, starts with ``@AA`` and
-asks with ``@DU``; state and leg come from the events that ``serve --events`` prints. What is shown
-at the end comes from the black box, and the truth from the simulated vehicle's own track.
+asks with ``@DU``; state and leg come from the events that ``serve --events`` prints. The results
+come from the black box, and the true track from the simulated vehicle's own file.
 
 What does not live here: the processes (staged), the command line (commands/demo), pictures (plot,
 graph).
@@ -43,7 +43,7 @@ from mission.verification.simulation.staged import READY_S, DemoError, Lines, St
 from mission.verification.simulation.truth import Home, Truth, read_truth
 from protocol.messages import Status, StoreReport
 
-POLL_S = 0.25  # real, between two @DU
+POLL_S = 0.25  # real s between two @DU
 PLANNED = frozenset({"until", "for", "end"})
 LEFT = frozenset(
     {
@@ -59,14 +59,14 @@ LEFT = frozenset(
         "vehicle.log",
         "vehicle.yaml",
     }
-)  # what a demonstration leaves in its folder, and the next one may remove
+)  # files that a demonstration leaves in its folder, and that the next one may remove
 
 
 @dataclass(slots=True)
 class Progress:
-    """What the operator sees while it flies."""
+    """What the operator sees during the flight."""
 
-    lines: int = 0  # of the mission that are in the vehicle
+    lines: int = 0  # lines of the mission that are in the vehicle
     state: str = "idle"
     leg: str = ""
     depth: float | None = None
@@ -91,7 +91,7 @@ class Demo:
     progress: Progress = field(default_factory=Progress)
 
     def fly(self) -> Flight:
-        """Raises DemoError, and OperatorError for what the Pi refuses."""
+        """Fly the demonstration. Raises DemoError, and OperatorError for what the Pi refuses."""
         self.folder.mkdir(parents=True, exist_ok=True)
         began = time.monotonic()
         with told_to_end(), self._stage.vehicle() as vehicle, self._stage.serve(vehicle) as events:
@@ -155,11 +155,11 @@ class Demo:
     def _told(self, told: Status, _: StoreReport | None) -> None:
         self.progress.depth = told.telemetry.depth if told.telemetry else None
 
-    # --- what came of it -----------------------------------------------------------------------
+    # --- the results ---------------------------------------------------------------------------
 
     def _flight(self, box: Path, vehicle_wall: float, wall: float) -> Flight:
-        """From the black box, with the true track beside it, counted from where the vehicle itself
-        counts: a home that it took from a fix is as far off as that fix."""
+        """Return the flight, from the black box and the true track. Places count from the home that
+        the vehicle itself uses: a home taken from a fix has the error of that fix."""
         truth = self._truth()
         given = self.prepared.mission.home
         home = truth.begin if given is None else _radians(given)
@@ -196,7 +196,8 @@ def _radians(position: Position) -> tuple[float, float]:
 
 
 def not_as_planned(flight: Flight) -> list[str]:
-    """What keeps the demonstration from exit 0: where it ended, how, and by what a leg was left."""
+    """Return why the demonstration does not exit with 0: where and how it ended, and legs that were
+    not left as planned."""
     found = [] if flight.at_surface else ["the vehicle is not at the surface"]
     if flight.outcome != "completed":
         found.append(f"the mission was not completed but {flight.outcome}")

@@ -1,6 +1,6 @@
-"""One flight in simulation: a rig without disturbances, flown as fast as can be.
+"""One flight in simulation: a rig without disturbances, flown as fast as possible.
 
-What does not live here: the rig, the figures made of a flight (flightlog), the pictures (plot), the
+What does not live here: the rig, the figures of a flight (flightlog), the pictures (plot), the
 vehicle's physics (links.simulated).
 """
 
@@ -32,9 +32,9 @@ if TYPE_CHECKING:
 
 Home = tuple[float, float]  # latitude, longitude
 Seen = tuple[float, float, float, float]  # t, latitude, longitude, depth
-LONGEST_S = 12 * 3600.0  # of a flight whose mission names no safety time
-AFTER_S = 2.0  # what the last commands need to arrive
-AFLOAT_S = 600.0  # what buoyancy alone may need
+LONGEST_S = 12 * 3600.0  # s of a flight whose mission names no safety time, at most
+AFTER_S = 2.0  # s that the last commands need to arrive
+AFLOAT_S = 600.0  # s that a rise by buoyancy alone may need
 
 
 def fly(
@@ -49,10 +49,10 @@ def fly(
     stored: Stored | None = None,
     judge: MissionValidator | None = None,
 ) -> Flight:
-    """``profile`` picks the dialect and the firmware together; "": the vehicle file does.
-    ``settings`` are the sea and its faults; ``said`` is what the operator sends beside upload and
-    start; ``lines`` go up instead of the mission's own script; ``judge`` may know them from an
-    earlier flight of this vehicle."""
+    """Fly a mission in simulation. ``profile`` sets the dialect and the firmware together; "": as
+    in the vehicle file. ``settings``: the sea, and faults. ``said``: what the operator sends
+    besides upload and start. ``lines`` are uploaded instead of the mission's own script. ``judge``:
+    the validator of an earlier flight of this vehicle, which may know the lines already."""
     flown = in_dialect(vehicle, profile)
     sea = simulated(flown, seed, settings, position=home_of(mission))
     program = Program(
@@ -67,9 +67,9 @@ def fly(
 
 
 class _Flight(Rig):
-    """A rig that is over with its mission, and adds up what came of it."""
+    """A rig that ends with its mission, and logs the flight."""
 
-    judged = False  # what it heard would be kept for nobody: 3600 events an hour
+    judged = False  # no law judges it: Heard and Told would be 3600 unused events an hour
 
     def __init__(
         self, mission: Mission, sea: Simulated, program: Program, operator: Operator
@@ -81,7 +81,7 @@ class _Flight(Rig):
         self._seen: list[tuple[Home, list[Seen]]] = []  # at each of the log's estimates
         self._longest = LONGEST_S if mission.safety.time is None else 2.0 * mission.safety.time
         self._digest = digest(mission)
-        self._is_stopped = False  # the program's state, which no time changes without a step
+        self._is_stopped = False  # whether the program is in stopped; only a Step changes that
         program.boot(0.0)
         self._is_stopped = program.state == STOPPED
         self.send(program.navigate(0.0))
@@ -125,14 +125,14 @@ class _Flight(Rig):
         return self.operator.next_timer() is None
 
     def _is_under_way_up(self, end: float) -> bool:
-        """A mission that was ended below leaves buoyancy to bring the vehicle up."""
+        """Whether buoyancy may still bring up a vehicle whose mission ended under water."""
         return self.now < end + AFLOAT_S and not self._is_at_surface()
 
     def _is_at_surface(self) -> bool:
         self.sea.advance(self.now)
         return self.sea.truth().at_surface
 
-    # --- what is kept, with the truth beside it ---------------------------------------------------
+    # --- estimates and true places ----------------------------------------------------------------
 
     def stepped(self, step: Step) -> None:
         super().stepped(step)
@@ -147,7 +147,7 @@ class _Flight(Rig):
             self._look_beside()
 
     def _look_beside(self) -> None:
-        """Where it truly is, for the estimate that the log has got, against the estimate's home."""
+        """Note the true place for the newest estimate of the log, with that estimate's home."""
         sea, home = self.sea, self._frame_home()
         if not self._seen or home != self._seen[-1][0]:
             self._seen.append((home, []))
@@ -163,7 +163,7 @@ class _Flight(Rig):
 
 
 def _places(home: Home, seen: Sequence[Seen]) -> tuple[TruePlace, ...]:
-    """By the simulator's own geodesy."""
+    """Return places relative to ``home``, by the simulator's own geodesy."""
     import numpy as np
 
     times, latitudes, longitudes, depths = zip(*seen, strict=True)

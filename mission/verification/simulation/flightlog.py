@@ -1,11 +1,11 @@
-"""What came of a flight: legs, outcome, errors, track. Listens while it flies, adds up at the end.
+"""The results of a flight: legs, outcome, errors, track. Logged in flight, added up at the end.
 
     outcome    completed   the mission's end was reached, timeouts included
-               emergency   one was ever entered
+               emergency   an emergency was entered at any time
                failed      neither: refused, or not at its end in time
 
 Times of legs count from the mission's start. True figures come from the simulated vehicle, which
-has its own geodesy; the estimate is put beside them at every telemetry.
+has its own geodesy. There is one estimate with its true place for every report.
 
 What does not live here: the loop (flight), the pictures (plot).
 """
@@ -39,9 +39,10 @@ from mission.onboard.stream.events import limit_of, reason_of
 
 @dataclass(frozen=True, slots=True)
 class LegFlown:
-    """``by`` is what it was left by, "" while it was active at the end; s from the start.
+    """A leg of the flight; times in s from the start. ``by``: how it was left; "": it was active at
+    the end.
 
-    ``trigger``: the chart's edge that was taken, "" where none was (an operator, a limit), and
+    ``trigger``: the edge of the chart that was taken; "" if none was (an operator, a limit), and
     then ``why`` has the reason. ``seen``: the values that the edge's guard saw.
     """
 
@@ -55,7 +56,7 @@ class LegFlown:
 
 
 class TruePlace(NamedTuple):
-    """m north and east of home, m below the surface, of the true vehicle."""
+    """The true place of the vehicle: m north and east of home, m below the surface."""
 
     t: float
     north: float
@@ -64,7 +65,7 @@ class TruePlace(NamedTuple):
 
 
 class Sample(NamedTuple):
-    """Estimate and truth at one telemetry of the mission."""
+    """Estimate and true place at one report of the mission."""
 
     t: float  # s from the start
     estimate: Estimate
@@ -72,7 +73,7 @@ class Sample(NamedTuple):
 
     @property
     def error(self) -> float:
-        """m in the plane."""
+        """The horizontal error, m."""
         e = self.estimate
         return math.hypot(e.north - self.true.north, e.east - self.true.east)
 
@@ -93,11 +94,11 @@ class Flight:
     steps: tuple[Step, ...]
     sent: tuple[Tx, ...]
     at_surface: bool  # truly, at the end
-    compass_bias: float | None = None  # rad, true; None: no compass that has one, or not known
+    compass_bias: float | None = None  # rad, true; None: its compass has none, or not known
 
     @property
     def on_land(self) -> bool:
-        """It has no depth, and reports none."""
+        """Whether the vehicle has no depth and reports none."""
         is_deep = any(s.estimate.depth is not None or s.true.depth for s in self.samples)
         return bool(self.samples) and not is_deep
 
@@ -140,20 +141,20 @@ class Flight:
 
 @dataclass(frozen=True, slots=True)
 class FlightEnd:
-    """How things stood when the loop ended, at ``t``."""
+    """The state of the flight when its loop ended, at ``t``."""
 
     t: float
     digest: str
     wall: float
     state: str
     track: tuple[TruePlace, ...]
-    beside: tuple[TruePlace, ...]  # where it truly was at each of the log's estimates
+    beside: tuple[TruePlace, ...]  # the true place at each of the log's estimates
     at_surface: bool
     compass_bias: float | None = None  # rad
 
 
 class FlightLog:
-    """Told every step and estimate of a flight, in order."""
+    """Log of a flight, which must be given every step and estimate, in order."""
 
     def __init__(self, mission: Mission) -> None:
         self._leg_paths = leg_paths(mission)
@@ -256,12 +257,12 @@ class FlightLog:
 
 
 def leg_paths(mission: Mission) -> frozenset[str]:
-    """Every leg's path in the chart, the implicit one included."""
+    """Return the path of every leg in the chart, the implicit one included."""
     return frozenset(_leg_paths(parted(mission.body), AUTONOMOUS)) | {IMPLICIT_SURFACE}
 
 
 def leg_names(mission: Mission) -> tuple[str, ...]:
-    """The names of those that are written, in their order, as flights name them."""
+    """Return the names of the legs that the mission states, in order, as flights name them."""
     paths = _leg_paths(parted(mission.body), AUTONOMOUS)
     return tuple(path.removeprefix(f"{AUTONOMOUS}/") for path in paths)
 
@@ -275,7 +276,7 @@ def _leg_paths(body: Iterable[Node], parent: str) -> Iterator[str]:
 
 
 def _why(step: Step) -> str:
-    """The reason of the first command, which stands behind its words, or the limit that acted."""
+    """Return the reason of the first command, or the limit that acted; else the event."""
     return reason_of(step) if step.actions or limit_of(step) else step.event
 
 

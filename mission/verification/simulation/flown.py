@@ -1,6 +1,6 @@
-"""What was flown in a simulation: mission, vehicle, sea, seed, and what the seed drew.
+"""What was flown in a simulation: mission, vehicle, sea, seed, and the values that the seed drew.
 
-What does not live here: what came of it (flightlog, legtable).
+What does not live here: the results (flightlog, legtable).
 """
 
 from __future__ import annotations
@@ -17,17 +17,17 @@ Current = tuple[float, float]
 
 @dataclass(frozen=True, slots=True)
 class Flown:
-    """``profile``: "" for a board that has only one. ``compass_bias``: rad, as it truly was; None
-    for a board whose compass has none."""
+    """``profile``: "" for a board that has only one. ``compass_bias``: the true bias, rad; None for
+    a board whose compass has none."""
 
     mission: str
     vehicle: str
     profile: str
     seed: int
-    settings: Sequence[str]  # of --set, as they were given
+    settings: Sequence[str]  # the texts of --set, as given
     sea: Sea
     compass_bias: float | None
-    drives: bool = False  # on the ground: no sea is about it
+    drives: bool = False  # on the ground, without a sea
 
     def as_object(self) -> dict[str, Any]:
         bias = self.compass_bias
@@ -47,7 +47,7 @@ class Flown:
         }
 
     def as_notes(self) -> dict[str, str]:
-        """For the metadata of a black box, and so for a page of it."""
+        """Return notes for the metadata of a black box, and so for a page of it."""
         return {
             "mission": self.mission,
             "simulated": self.profile or self.vehicle,
@@ -63,7 +63,7 @@ class Flown:
         return ", ".join(filter(None, (self._where, said, f"seed {self.seed}")))
 
     def as_lines(self) -> list[str]:
-        """Rows like those of the figures."""
+        """Return rows in the form of the figures."""
         bias = self.compass_bias
         compass = "none" if bias is None else f"{math.degrees(bias):+.1f} deg (true)"
         profile = f", {self.profile}" if self.profile else ""

@@ -1,4 +1,4 @@
-"""What came of a flight, for people: a row per leg with the guard that ended it, then the figures.
+"""The results of a flight as text: a row per leg with the guard that ended it, then the figures.
 
 What does not live here: the figures themselves (flightlog), pictures (plot).
 """
@@ -49,5 +49,6 @@ def _figures(flight: Flight) -> list[str]:
 
 
 def _because(leg: LegFlown, chart: Chart) -> str:
-    """What ended it besides an edge of the mission is told in its own words."""
+    """Return why a leg ended: the guard of its edge, or the reason if it was no edge of the
+    mission."""
     return ended_by(chart, leg.trigger, leg.seen) or leg.why

@@ -1,7 +1,7 @@
 """The picture of a flight: plan view with its 95 % ellipses, depth over time, the legs coloured.
 
-Legs have a colour and a number, because there are more legs than colours that can be told apart:
-the number stands at the leg's middle in the plan, over its share of the profile, and in the key.
+Legs have a colour and a number, since there are more legs than colours that can be told apart. The
+number is at the leg's middle in the plan, over its part of the profile, and in the key.
 
 matplotlib is imported when a picture is drawn, with the Agg back end: no display is needed.
 
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 _ELLIPSES = 12
 _DIGIT = 0.011  # width of a number's digit over the profile, as a share of the mission
-_NEAR = 0.05  # of the plan's width: a number nearer than this to another would hide it
+_NEAR = 0.05  # share of the plan's width; a number nearer than this to another would hide it
 _TITLE_WIDTH = 100  # characters
 _KEY_WIDTH = 120  # characters of the key in one row
 _TRUE, _ESTIMATE = "#2b2b2b", "#c1440e"
@@ -35,7 +35,7 @@ _PALETTE = ("#88ccee", "#ddcc77", "#44aa99", "#cc6677", "#999933", "#aa4499", "#
 
 
 def draw_flight(flight: Flight, path: Path, title: str, caption: str = "") -> None:
-    """Writes a PNG. ``caption``: sea and seed."""
+    """Write a PNG. ``caption``: sea and seed."""
     import matplotlib as mpl
 
     mpl.use("Agg")
@@ -130,7 +130,8 @@ def _draw_plan(axes: Axes, flight: Flight, marks: dict[str, _Mark]) -> None:
 
 
 def _where(sample: Sample, knows: bool) -> Estimate | TruePlace:
-    """Where a leg is drawn; of a vehicle that does not know its way where it truly is."""
+    """Return where to draw a sample: the estimate, or the true place if the vehicle does not know
+    its position."""
     return sample.estimate if knows else sample.true
 
 
@@ -139,7 +140,7 @@ def _placed(samples: Sequence[Sample]) -> Iterator[Placed]:
 
 
 def as_map(axes: Axes) -> None:
-    """Metres from home, which is marked, at one scale; with a legend of what was drawn."""
+    """Make the axes a map: m from home, which is marked, at one scale, with a legend."""
     axes.plot(0.0, 0.0, marker="*", markersize=14, color=_TRUE, linestyle="", label="home")
     axes.set_aspect("equal", adjustable="datalim")
     axes.set_xlabel("east of home, m")
@@ -153,7 +154,8 @@ def _number_legs(
     flown: Sequence[tuple[LegFlown, Sequence[Estimate | TruePlace]]],
     marks: dict[str, _Mark],
 ) -> None:
-    """One a leg, about its middle, where there is room; further rounds lie about there, too."""
+    """Draw one number for each leg near its middle, if there is room. Further rounds have none,
+    since they are near by."""
     low, high = axes.get_xlim()
     bottom, top = axes.get_ylim()
     near = _NEAR * max(high - low, top - bottom)
@@ -188,7 +190,7 @@ def _number_legs(
 
 def _draw_profile(axes: Axes, flight: Flight, marks: dict[str, _Mark]) -> None:
     named: set[str] = set()
-    free = 0.0  # s from which on there is room for a number
+    free = 0.0  # s, where the number before ends
     for leg in flight.legs:
         name = _plain(leg.name)
         mark = marks[name]
@@ -230,7 +232,7 @@ def _draw_profile(axes: Axes, flight: Flight, marks: dict[str, _Mark]) -> None:
         axes.set_ylabel("depth, m")
     axes.grid(alpha=0.3)
     if named:
-        below = (0.5, -0.2)  # beside the curves it would hide one of them
+        below = (0.5, -0.2)  # among the curves it would hide one of them
         longest = max(len(name) for name in named)
         columns = max(1, min(len(named), 6, _KEY_WIDTH // (longest + 8)))
         axes.legend(loc="upper center", bbox_to_anchor=below, fontsize=8, ncols=columns)

@@ -1,4 +1,4 @@
-"""What a flight has truly achieved of what its legs were flown for (`achieve`).
+"""Whether a flight truly achieved what its legs were flown for (`achieve`).
 
 coverage    the share of the area that was truly seen (coverage.py)
 position    m, the greatest true error of the estimate along the leg
@@ -20,8 +20,8 @@ _UNIT = {"coverage": (100.0, "%"), "position": (1.0, "m")}
 
 @dataclass(frozen=True, slots=True)
 class Achieved:
-    """``figures`` has what came of each aim; one that came of nothing (the leg was never flown)
-    is not there."""
+    """``figures`` has the value that was reached for each aim; an aim is missing if the leg was
+    never flown."""
 
     leg: str
     aims: Aims
@@ -39,8 +39,8 @@ class Achieved:
 def achieved_by(
     flight: Flight, mission: Mission, covered: Iterable[Coverage] | None = None
 ) -> tuple[Achieved, ...]:
-    """For each leg that is to achieve something, in the mission's order. ``covered``: what
-    ``coverage_of`` has found already of this flight."""
+    """Return what each leg with an aim achieved, in the mission's order. ``covered``: the result of
+    ``coverage_of`` for this flight, if it is known already."""
     found = coverage_of(flight, mission) if covered is None else covered
     seen = {one.leg: one.true for one in found}
     return tuple(
@@ -73,7 +73,7 @@ def as_json_of(found: Iterable[Achieved]) -> list[dict[str, Any]]:
 
 
 def told(found: Iterable[Achieved]) -> list[str]:
-    """A line each, for people."""
+    """Return one line of text for each."""
     return [
         f"purpose           {one.leg}: {'reached' if one.reached else 'missed'}: "
         + ", ".join(_aim(one, name, aim) for name, aim in one.aims)

@@ -1,6 +1,6 @@
-"""The sea floor of a file under a simulated vehicle, and how near it came to it.
+"""The sea floor of a file under a simulated vehicle, and how near the vehicle came to it.
 
-What does not live here: the formats (authoring.bathymetry), the sea that is simulated (links).
+What does not live here: the formats (authoring.bathymetry), the simulated sea (links).
 """
 
 from __future__ import annotations
@@ -14,12 +14,12 @@ from mission.model import Mission
 from mission.navigation.geodesy import LocalFrame
 from mission.verification.simulation.flightlog import Flight
 
-TOUCHES = 0.3  # m: its altimeter lies so high when it lies on the floor, and some
+TOUCHES = 0.3  # m: the height of the altimeter of a vehicle on the floor, and a margin
 
 
 def over(settings: Settings, mission: Mission, depths: Depths) -> Settings:
-    """The same sea with that floor; where the file knows none, the one that the mission assumes,
-    else that of the settings."""
+    """Return the settings with the floor of the file; where the file has no depth, with the floor
+    that the mission assumes, else that of the settings."""
     floor = dict(mission.assume).get("floor", settings.sea.floor)
 
     def at(latitude: float, longitude: float) -> float | None:
@@ -32,8 +32,8 @@ def over(settings: Settings, mission: Mission, depths: Depths) -> Settings:
 
 @dataclass(frozen=True, slots=True)
 class Clearance:
-    """The least m of water under the vehicle, by truth, where the file knows the floor; s from the
-    beginning of the flight, degrees."""
+    """The least m of water under the true vehicle, where the file has the floor. ``t``: s from the
+    beginning of the flight; latitude and longitude in degrees."""
 
     least: float
     t: float
@@ -60,7 +60,8 @@ class Clearance:
 
 
 def clearance(flight: Flight, mission: Mission, depths: Depths) -> Clearance | None:
-    """None where the flight led over no floor that is known, or the mission names no home."""
+    """Return the clearance of a flight; None if the file has no floor under its track, or the
+    mission names no home."""
     if mission.home is None:
         return None
     frame, least = LocalFrame(mission.home), None

@@ -1,11 +1,11 @@
-"""A simulated vehicle and its serve as processes beside this one, over real bytes.
+"""A simulated vehicle and its serve as two further processes, over real bytes.
 
-    auvmission vehicle   <-- pty ----------->  auvmission serve    <-- TCP -->  whoever operates
+    auvmission vehicle   <-- pty ----------->  auvmission serve    <-- TCP -->  the operator
     (board, body, GPS)   <-- pty: GPS ------>  (the Pi's program)
 
-Both have one time factor, and end with whoever has begun them.
+Both have the same time factor, and end with the process that started them.
 
-    DemoError      (something of the set-up does not work; the message says which process and why)
+    DemoError      (a part of the set-up does not work; the message says which process and why)
 """
 
 from __future__ import annotations
@@ -27,10 +27,10 @@ from typing import Any
 from mission.authoring.prepare import Prepared
 from mission.model.shipped import vehicle_file
 
-PORTS = range(10_000, 32_000)  # of buses by UDP: below those that systems give by themselves
-READY_S = 20.0  # real, for a process to say that it is there
-STOP_S = 10.0  # real, for a process to end when told
-HURRY_S = 0.5  # the same, where whoever has begun it does not get to its end
+PORTS = range(10_000, 32_000)  # UDP ports of buses, below those that systems assign themselves
+READY_S = 20.0  # real s until a process must report that it is ready
+STOP_S = 10.0  # real s for a process to end when told
+HURRY_S = 0.5  # the same, if this process was interrupted
 
 
 class DemoError(RuntimeError):
@@ -39,7 +39,7 @@ class DemoError(RuntimeError):
 
 @dataclass(frozen=True, slots=True)
 class Stage:
-    """``named``: the vehicle's file or name. ``port``: of serve for the boat, 0: any."""
+    """``named``: the vehicle's file or name. ``port``: that of serve for the boat, 0: any."""
 
     prepared: Prepared
     folder: Path
@@ -71,7 +71,7 @@ class Stage:
             yield lines
 
     def _vehicle_file(self) -> str:
-        """The vehicle's file, in the dialect that flies."""
+        """Write the vehicle file in the dialect that is flown, and return its path."""
         text = vehicle_file(self.named).read_text(encoding="utf-8")
         dialect = f"dialect: {self.prepared.vehicle.dialect}"
         path = self.folder / "vehicle.yaml"
@@ -105,15 +105,16 @@ class Stage:
 
 
 def own_bus(process: int) -> str:
-    """The URL of a CAN bus that no other process of this computer simulates a vehicle on: frames
-    by multicast reach whoever listens to the port, whatever the group."""
+    """Return the URL of a CAN bus that no other process of this computer uses for a simulated
+    vehicle. The port differs, too, since multicast frames reach all who listen to a port, whatever
+    the group."""
     group = f"{192 + (process >> 16) % 64}.{process >> 8 & 255}.{process & 255}"
     return f"can://239.{group}:{PORTS.start + process % len(PORTS)}?interface=udp_multicast"
 
 
 @contextmanager
 def told_to_end() -> Iterator[None]:
-    """SIGTERM and a terminal that is closed end the other processes too, as ctrl-C does."""
+    """End the other processes also on SIGTERM and when the terminal is closed, as on ctrl-C."""
 
     def end(number: int, _: object) -> None:
         raise SystemExit(128 + number)
@@ -144,17 +145,17 @@ class Lines:
         self._queue.put(None)
 
     def ignore(self) -> None:
-        """What is said from now on."""
+        """Drop the lines that come from now on."""
         self._is_read = False
 
     def close(self) -> None:
-        """Once the process has ended."""
+        """Join the reader and close the pipe, once the process has ended."""
         self._reader.join(STOP_S)
         if self._process.stdout is not None and not self._reader.is_alive():
             self._process.stdout.close()
 
     def take(self, seconds: float) -> dict[str, Any]:
-        """The next one. Raises DemoError where none comes."""
+        """Return the next line. Raises DemoError if none comes within ``seconds``."""
         try:
             line = self._queue.get(timeout=seconds)
         except queue.Empty:

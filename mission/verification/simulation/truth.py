@@ -1,8 +1,8 @@
-"""The true track of a simulated vehicle that was a process of its own, as its file has it.
+"""The true track of a simulated vehicle in a process of its own, from its file.
 
-    t,latitude_deg,longitude_deg,depth_m     a row a second; between two rows it went straight on
+    t,latitude_deg,longitude_deg,depth_m     a row a second; linear between two rows
 
-What does not live here: who writes it (links.simulated.process), what was believed (flightlog).
+What does not live here: who writes it (links.simulated.process), the estimate (flightlog).
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from links.simulated.geodesy import local
 from mission.verification.simulation.flightlog import TruePlace
 
-Home = tuple[float, float]  # rad, latitude and longitude that north and east are counted from
+Home = tuple[float, float]  # latitude and longitude in rad, from which north and east count
 _COLUMNS = ("t", "latitude_deg", "longitude_deg", "depth_m")
 
 
@@ -36,18 +36,19 @@ class Truth:
         return float(self.latitude[0]), float(self.longitude[0])
 
     def place(self, t: float, home: Home) -> TruePlace:
-        """Where it was at that time; before its first row as there, behind its last as there."""
+        """Return the true place at ``t``; before the first row that of the first, after the last
+        row that of the last."""
         at = (float(np.interp(t, self.t, one)) for one in (self.latitude, self.longitude))
         north, east = local(home, *at)
         return TruePlace(t, north, east, float(np.interp(t, self.t, self.depth)))
 
     def track(self, home: Home, offset: float) -> tuple[TruePlace, ...]:
-        """All rows; their times less ``offset``."""
+        """Return all rows, with their times less ``offset``."""
         return tuple(self.place(t, home)._replace(t=t - offset) for t in self.t.tolist())
 
 
 def read_truth(path: Path) -> Truth | None:
-    """None where it has no row."""
+    """Read a track; None if the file has no row."""
     with path.open(newline="", encoding="ascii") as file:
         rows = [[float(row[name]) for name in _COLUMNS] for row in csv.DictReader(file)]
     if not rows:

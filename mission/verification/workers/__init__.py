@@ -1,9 +1,9 @@
-"""Much work in several places at once, in order, with progress told and nothing lost with a worker.
+"""Many jobs in several places at once: ordered results, progress, and no result lost with a worker.
 
-What comes out depends on the jobs alone, never on where they are done or by how many. A job whose
-worker is lost is tried again, and then told by its name (Lost); one that raises is told at once.
-Whatever ends the work early (Ctrl-C, an error, nobody who takes the results) ends the processes at
-once; a terminal's Ctrl-C does not reach them.
+Results depend only on the jobs, never on where they are done or by how many workers. A job whose
+worker is lost is retried, and then reported by its name (Lost). A job that raises is reported at
+once. Whatever ends the work early (Ctrl-C, an error, a caller that takes no more results) ends the
+processes at once; a terminal's Ctrl-C does not reach them.
 
 What does not live here: what a job is.
 """
@@ -31,8 +31,8 @@ def results(
     name: Callable[[_J], str] = str,
     kept: Kept[_R] | None = None,
 ) -> Iterator[_R | Lost]:
-    """In the order of the jobs. ``work`` and jobs must be picklable, the names differ. What is
-    kept is not done again."""
+    """Yield the outcomes in the order of the jobs. ``work`` and jobs must be picklable, the names
+    unique. A job whose result is kept is not done again."""
     with working(work, at, name, kept) as batch:
         yield from batch(jobs)
 
@@ -44,13 +44,13 @@ def working(
     name: Callable[[_J], str] = str,
     kept: Kept[_R] | None = None,
 ) -> Iterator[Batch[_J, _R]]:
-    """For jobs that come batch by batch."""
+    """The same for jobs that come in batches."""
     with at.doing(work) as run:
         yield lambda jobs: _Ordered(run, name, kept).outcomes(jobs)
 
 
 class _Ordered(Generic[_J, _R]):
-    """Outcomes as they come, given away in the order of their jobs."""
+    """Collect outcomes as they come, and yield them in the order of their jobs."""
 
     def __init__(self, run: Run[_J, _R], name: Callable[[_J], str], kept: Kept[_R] | None) -> None:
         self._run, self._name, self._kept = run, name, kept

@@ -1,14 +1,14 @@
-"""Jobs on a Dask cluster: a scheduler somewhere, and workers on as many machines as one has.
+"""Jobs on a Dask cluster: a scheduler, and workers on any number of machines.
 
-Before the first job every worker says which program it runs; each job says so again, because
-workers come and go: one that came later with another program is sent no more. A worker that dies is
-the scheduler's matter: it gives the job to others, and to three of them at most (its setting
-``allowed-failures``). It blames whatever waited at that worker as much: a job that it gives up is
-done once more with no other of ours on the cluster, and told as lost if its workers die then, too.
-What hangs ends its own process after a while.
+Before the first job every worker reports which program it runs. Every job checks that again, since
+workers come and go: a worker that joins later with another program receives no more jobs. If a
+worker dies, the scheduler gives its job to others, and to three of them at most (its setting
+``allowed-failures``). It blames the jobs that waited at that worker as much. So a job that it gives
+up is done once more with no other job of ours on the cluster, and reported as lost if its workers
+die then, too. The process of a job that hangs ends itself after ``patience``.
 
-Results follow from the jobs alone, and a worker must have one thread: a flight takes a core, and
-Python gives a process one.
+Results depend only on the jobs. A worker must have one thread, since a flight takes a whole core
+and Python gives a process only one.
 """
 
 from __future__ import annotations
@@ -38,11 +38,11 @@ from mission.verification.workers.outcome import (
     tried,
 )
 
-AHEAD = 3  # jobs for each worker on the scheduler: none waits for the next, and few are in vain
-CONNECTING = 10.0  # s until a scheduler has answered
-JOINING = 30.0  # s until there is a worker
+AHEAD = 3  # jobs per worker on the scheduler: no worker waits, and few jobs are done in vain
+CONNECTING = 10.0  # s until a scheduler must have answered
+JOINING = 30.0  # s until there must be a worker
 ALONE = 120.0  # s without any worker of this program until that is an error
-LOOK = 0.02  # s between two looks at what has ended
+LOOK = 0.02  # s between two checks for ended jobs
 COUNT = 5.0  # s between two counts of the workers
 HUNG = 78  # exit code of a worker's process that has ended itself
 _J = TypeVar("_J")
@@ -59,7 +59,7 @@ class OtherCode:
 
 @dataclass(frozen=True, slots=True)
 class _Try(Generic[_J]):
-    """``again``: how often it was tried before; ``alone``: with no other of ours on the cluster."""
+    """``again``: number of earlier tries; ``alone``: with no other job of ours on the cluster."""
 
     name: str
     job: _J
@@ -69,7 +69,8 @@ class _Try(Generic[_J]):
 
 @contextmanager
 def on_cluster(work: Callable[[_J], _R], address: str, patience: float) -> Iterator[Run[_J, _R]]:
-    """``address``: HOST:PORT of the scheduler; ``patience``: s that a job may take."""
+    """Work on a cluster. ``address``: HOST:PORT of the scheduler; ``patience``: s that a job may
+    take. Raises Unreachable."""
     client = _connected(address)
     try:
         _compare(client)
@@ -79,7 +80,8 @@ def on_cluster(work: Callable[[_J], _R], address: str, patience: float) -> Itera
 
 
 def url_of(address: str) -> str:
-    """TLS unless the scheduler is on this machine: who reaches it runs what he likes there."""
+    """Return the URL of a scheduler, with TLS unless it is on this machine: whoever reaches a
+    scheduler can run any code there."""
     host = address.rpartition(":")[0].strip("[]")
     return f"{'tcp' if _loopback(host) else 'tls'}://{address}"
 
@@ -134,7 +136,7 @@ class _Cluster(Generic[_J, _R]):
             loop=client.loop, with_results=True, raise_errors=False
         )
         self._at: dict[distributed.Future, _Try[_J]] = {}
-        self._suspects: deque[_Try[_J]] = deque()  # given up by the scheduler: their turns alone
+        self._suspects: deque[_Try[_J]] = deque()  # given up by the scheduler: to be done alone
         self._others: set[str] = set()  # workers that run another program
         self._room = self._counted = 0.0
         self._seen = time.monotonic()
@@ -153,7 +155,7 @@ class _Cluster(Generic[_J, _R]):
     def _ended_with(
         self, future: distributed.Future, found: Any
     ) -> Iterator[tuple[str, _R | Lost]]:
-        """What is to be told of it; nothing if it is tried again."""
+        """Yield the outcome of a job that ended; nothing if it is retried."""
         it = self._at.pop(future)
         if isinstance(found, OtherCode):
             self._others.add(found.worker)
@@ -195,7 +197,7 @@ class _Cluster(Generic[_J, _R]):
         self._room = float(AHEAD * max(workers, 1))
 
     def _next(self) -> list[tuple[distributed.Future, Any]]:
-        """What has ended since, once something has; nothing every COUNT seconds."""
+        """Wait for jobs that ended, and return them; an empty list after COUNT s without any."""
         until = time.monotonic() + COUNT
         while not self._ended.has_ready() and time.monotonic() < until:
             time.sleep(LOOK)
@@ -224,7 +226,7 @@ def _why(future: distributed.Future, found: Any) -> str:
 
 
 def perform(theirs: Mapping[str, str], work: bytes, job: Any, patience: float) -> Any:
-    """The result, Raised or OtherCode."""
+    """Do a job on the worker. Return its result, Raised or OtherCode."""
     if differs := difference(code(), theirs):
         return OtherCode(distributed.get_worker().address, differs)
     clock = threading.Timer(patience, os._exit, [HUNG])

@@ -1,8 +1,8 @@
-"""Which program this is: two that say the same give the same results.
+"""Identify the program: two processes with the same ``code()`` give the same results.
 
-Sources, vehicles and missions as they lie on the disk, the build, and what computes beneath them.
-Of that the version does not tell all: numpy's products of matrices take the instructions that the
-processor has, and their last bits follow.
+It covers the sources, vehicles and missions on the disk, the build, and the libraries below. Their
+versions are not enough: numpy's matrix products use the instructions of the processor, which
+changes their last bits. So the result of some arithmetic is compared, too.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ def code() -> Mapping[str, str]:
 
 
 def difference(theirs: Mapping[str, str], ours: Mapping[str, str]) -> str:
-    """In words; "" if there is none."""
+    """Describe the difference between two programs; "" if there is none."""
     found = [
         f"{name} {theirs.get(name, 'unknown')}, here {ours.get(name, 'unknown')}"
         for name in {**ours, **theirs}
@@ -53,7 +53,8 @@ def difference(theirs: Mapping[str, str], ours: Mapping[str, str]) -> str:
 
 
 def _arithmetic() -> str:
-    """Of some steps of the filter, whose matrices are as large as in flight, and of functions."""
+    """Return a digest of some steps of the filter, with matrices as large as in flight, and of
+    functions of ``math``."""
     own = Filter(figures(load_vehicle("auv")))
     for n in range(1, 30):
         run = Motion(heading=0.3 * n, expected=1.0, sway=0.01 * n, turned=0.1)
@@ -75,7 +76,7 @@ def _digest() -> str:
 
 
 def _files() -> Iterator[tuple[str, Path]]:
-    """Each with its name, which is the same in a checkout and in a wheel."""
+    """Yield each file with a name that is the same in a checkout and in a wheel."""
     root, missions = Path(mission.__file__).resolve().parents[1], missions_folder().resolve()
     for package in _PACKAGES:
         for path in (root / package).rglob("*"):

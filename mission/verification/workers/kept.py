@@ -1,7 +1,7 @@
-"""Results on a file, so that a campaign that was ended goes on from there.
+"""Results in a file, so that an interrupted campaign continues from there.
 
-JSON lines. The first says what was asked for and by which program; each other is a result with
-the name of its job, written as it comes. A last line that was cut off is taken away.
+The file has JSON lines. The first has what was asked for, and the program; every other line is a
+result with the name of its job, written as it comes. A last line that is incomplete is removed.
 """
 
 from __future__ import annotations
@@ -19,18 +19,19 @@ _R = TypeVar("_R")
 
 
 class Unusable(ValueError):
-    """The file is another campaign's, another program's, none of ours, or cannot be written."""
+    """The file is of another campaign or program, is no file of results, or cannot be written."""
 
 
 class Kept(Generic[_R]):
-    """``kind`` is the type of the results (mission.model.plain); ``count``: so many were there."""
+    """``kind``: the type of the results (mission.model.plain); ``count``: results in the file at
+    the beginning."""
 
     def __init__(self, kind: Any, found: dict[str, Any], file: IO[str] | None = None) -> None:
         self._kind, self._found, self._file = kind, found, file
         self.count = len(found)
 
     def get(self, name: str) -> _R | None:
-        """What is kept is forgotten here: it is asked for once."""
+        """Return a kept result, or None, and forget it: each is asked for once."""
         data = self._found.pop(name, None)
         found: _R | None = None if data is None else from_plain(self._kind, data)
         return found
@@ -44,7 +45,8 @@ class Kept(Generic[_R]):
 
 @contextmanager
 def keeping(path: Path | None, asked: Mapping[str, Any], kind: Any) -> Iterator[Kept[Any]]:
-    """``asked`` is plain: what the results follow from. Raises Unusable."""
+    """Keep results in a file. ``asked``: plain data on which the results depend. Raises
+    Unusable."""
     if path is None:
         yield Kept(kind, {})
         return
@@ -55,7 +57,7 @@ def keeping(path: Path | None, asked: Mapping[str, Any], kind: Any) -> Iterator[
 
 
 def _opened(path: Path, head: Mapping[str, Any]) -> tuple[dict[str, Any], IO[str]]:
-    """What is kept there, and the file, to write behind it."""
+    """Return the results in the file, and the file, open to append."""
     try:
         found = _read(path, head) if path.exists() and path.stat().st_size else None
         file = path.open("a", encoding="utf-8")

@@ -1,4 +1,4 @@
-"""What becomes of a job: its result, or word of why there is none."""
+"""The outcome of a job: its result, or the reason why there is none."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any, TypeVar
 
-RETRIES = 1  # of a job whose worker was lost with it
+RETRIES = 1  # of a job whose worker was lost
 _J = TypeVar("_J")
 _R = TypeVar("_R")
 
@@ -43,25 +43,26 @@ Run = Callable[[Iterable[tuple[str, _J]]], Iterator[tuple[str, _R | Lost]]]
 
 
 def had(outcome: _R | Lost) -> _R:
-    """For who cannot go on without: raises what the job raised, else RuntimeError."""
+    """Return the result, for a caller that needs it. If there is none, raises what the job raised,
+    else RuntimeError."""
     if isinstance(outcome, Lost):
         raise outcome.error or RuntimeError(str(outcome))
     return outcome
 
 
 def tried(work: Callable[[_J], Any], job: _J) -> Any:
-    """The result, or Raised. MemoryError leaves: it says something about the worker."""
+    """Do a job; return its result, or Raised. MemoryError passes: its cause is the worker."""
     try:
         return work(job)
     except MemoryError:
         raise
-    except Exception as error:  # a job that fails is no end of the others
+    except Exception as error:  # a job that fails does not end the others
         return Raised(_portable(error))
 
 
 def _portable(error: Exception) -> Exception:
     try:
         pickle.loads(pickle.dumps(error))
-    except Exception:  # some take arguments that pickle does not know of
+    except Exception:  # pickle does not know the arguments of some
         return RuntimeError(f"{type(error).__name__}: {error}")
     return error

@@ -1,4 +1,4 @@
-"""Where jobs are done: in this process, in processes of this machine, on a Dask cluster."""
+"""Where jobs are done: in this process, in processes on this machine, or on a Dask cluster."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _R = TypeVar("_R")
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """``address``: HOST:PORT of a scheduler; ``workers``: processes of this machine."""
+    """``address``: HOST:PORT of a scheduler; ``workers``: number of processes on this machine."""
 
     kind: str = LOCAL
     address: str = ""
@@ -28,7 +28,8 @@ class Place:
 
     @contextmanager
     def doing(self, work: Callable[[_J], _R]) -> Iterator[Run[_J, _R]]:
-        """``work`` and jobs must be picklable. Raises Unreachable where there is no cluster."""
+        """Yield a function that does jobs here. ``work`` and jobs must be picklable. Raises
+        Unreachable if there is no usable cluster."""
         if self.kind == LOCAL:
             yield lambda jobs: ((name, _here(work, name, job)) for name, job in jobs)
         elif self.kind == PROCESSES:
@@ -52,8 +53,9 @@ def _here(work: Callable[[_J], _R], name: str, job: _J) -> _R | Lost:
 
 
 def place(on: str | None = None, workers: int | None = None, patience: float = PATIENCE) -> Place:
-    """``on``: ``local``, ``processes``, ``dask://HOST:PORT``; None: processes, a worker a core,
-    unless there is one alone. Raises ValueError in words."""
+    """Return the place that ``on`` names: ``local``, ``processes`` or ``dask://HOST:PORT``; None:
+    processes, one for each core unless ``workers`` says otherwise; with one worker ``local``.
+    Raises ValueError with a message for the user."""
     count = workers or os.cpu_count() or 1
     kind, _, address = (on or (LOCAL if count == 1 else PROCESSES)).partition("://")
     if kind == DASK:

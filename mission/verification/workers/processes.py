@@ -1,8 +1,8 @@
-"""Jobs in processes of this machine. A process that dies takes no job but its own with it.
+"""Jobs in processes on this machine. A process that dies loses only its own job.
 
-Each process has a pipe of its own and one job at a time, so whoever is killed, hangs or runs out of
-memory is known with its job, and nobody else shares a lock with it. The job is tried once more in
-another process. Processes end with the one that wanted them, whatever ends that.
+Each process has its own pipe and one job at a time. So the job of a process that is killed, hangs
+or runs out of memory is known, and no other process shares a lock with it. The job is retried once
+in another process. The processes end with their parent, however that ends.
 """
 
 from __future__ import annotations
@@ -23,9 +23,9 @@ from typing import Any, Generic, TypeVar
 
 from mission.verification.workers.outcome import RETRIES, Lost, Raised, Run, tried
 
-OUT_OF_MEMORY = 77  # exit code of a process that says so itself
-BEGINNING = 300.0  # s until a process has begun
-LAST_WORD = 5.0  # s until a process whose pipe has ended has an exit code
+OUT_OF_MEMORY = 77  # exit code of a process that runs out of memory
+BEGINNING = 300.0  # s until a process must have started
+LAST_WORD = 5.0  # s until a process whose pipe has ended must have an exit code
 _SPAWN = multiprocessing.get_context("spawn")
 _J = TypeVar("_J")
 _R = TypeVar("_R")
@@ -33,19 +33,19 @@ _R = TypeVar("_R")
 
 @dataclass(frozen=True, slots=True)
 class _Begun:
-    """The first word of a process, when it has imported what it needs."""
+    """The first message of a process, once it has imported what it needs."""
 
 
 @dataclass(frozen=True, slots=True)
 class _Attempt(Generic[_J]):
     name: str
     job: _J
-    ended: tuple[str, ...] = ()  # how the earlier ones did
+    ended: tuple[str, ...] = ()  # how the earlier attempts ended
 
 
 @contextmanager
 def in_processes(work: Callable[[_J], _R], count: int, patience: float) -> Iterator[Run[_J, _R]]:
-    """``patience``: s that a job may take."""
+    """Work in ``count`` processes. ``patience``: s that a job may take."""
     crew = _Crew(work, count, patience)
     try:
         yield crew.run
@@ -71,7 +71,7 @@ class _Crew(Generic[_J, _R]):
     def _settled(
         self, worker: _Worker[_J], again: deque[_Attempt[_J]]
     ) -> Iterator[tuple[str, _R | Lost]]:
-        """What is to be told of its job; nothing if that is tried again."""
+        """Yield the outcome of the worker's job; nothing if it has none yet or is retried."""
         name, job = worker.attempt.name, worker.attempt.job
         found, ended = worker.take()
         if not ended:
@@ -91,13 +91,13 @@ class _Crew(Generic[_J, _R]):
         self._all.clear()
 
     def _let_go(self) -> None:
-        """Of those at a job that nobody waits for any more."""
+        """Kill the workers whose jobs nobody waits for any more."""
         for worker in [w for w in self._all if w.busy]:
             self._all.remove(worker)
             worker.kill()
 
     def _given(self, again: deque[_Attempt[_J]], fresh: Iterator[_Attempt[_J]]) -> bool:
-        """Whether anybody is at work now; whoever was free has been given a job."""
+        """Give each free worker a job; return whether any worker is busy."""
         idle = [worker for worker in self._all if not worker.busy]
         while idle or len(self._all) < self._count:
             attempt = again.popleft() if again else next(fresh, None)
@@ -109,12 +109,12 @@ class _Crew(Generic[_J, _R]):
 
     def _another(self) -> _Worker[_J]:
         worker = _Worker[_J](self._patience)
-        self._all.append(worker)  # first: Ctrl-C may come while it begins
+        self._all.append(worker)  # before it starts, since Ctrl-C may come meanwhile
         worker.begin(self._work)
         return worker
 
     def _due(self) -> list[_Worker[_J]]:
-        """Those that have answered, have ended, or have taken too long."""
+        """Wait for workers that have answered, have ended, or take too long; return them."""
         busy = [worker for worker in self._all if worker.busy]
         rest = min(worker.until for worker in busy) - time.monotonic()
         ready = set(wait([w.connection for w in busy], timeout=max(rest, 0.0)))
@@ -123,7 +123,8 @@ class _Crew(Generic[_J, _R]):
 
 
 class _Worker(Generic[_J]):
-    """One process. ``attempt`` is what it is at, while ``busy``; ``until``: monotonic s."""
+    """One process. ``attempt``: its job while it is ``busy``; ``until``: its deadline, monotonic
+    s."""
 
     attempt: _Attempt[_J]
     connection: Connection
@@ -138,18 +139,18 @@ class _Worker(Generic[_J]):
         self.connection, theirs = _SPAWN.Pipe()
         process = _SPAWN.Process(target=_serve, args=(theirs, work), daemon=True)
         self._process = process
-        with theirs, _interrupts_held():  # which the process takes over as it begins
+        with theirs, _interrupts_held():  # the process inherits the blocked signal
             process.start()
 
     def give(self, attempt: _Attempt[_J]) -> None:
         self.attempt, self.busy = attempt, True
         self.until = time.monotonic() + (self._patience if self._begun else BEGINNING)
-        with suppress(OSError):  # it has died meanwhile: its pipe will say so
+        with suppress(OSError):  # it has died meanwhile, which its pipe will show
             self.connection.send(attempt.job)
 
     def take(self) -> tuple[Any, str]:
-        """The result or Lost, and ""; or how the process ended, which it has then. Still busy: it
-        has begun, and its job only now."""
+        """Return the result or Lost, and ""; or None, and how the process ended. None and "" of a
+        worker that is still busy: the process has just started, and begins its job now."""
         if not self.connection.poll():
             self.kill()
             return None, "hung"
@@ -180,7 +181,7 @@ class _Worker(Generic[_J]):
 
 
 def _serve(connection: Connection, work: Callable[[Any], Any]) -> None:
-    """The process: a job in, its outcome out, until nobody wants one."""
+    """Run in the process: receive a job, send its outcome, until the pipe is closed."""
     threading.Thread(target=_end_with_parent, daemon=True).start()
     with suppress(EOFError, OSError):
         connection.send(_Begun())
@@ -209,9 +210,11 @@ def _end_with_parent() -> None:
 
 @contextmanager
 def _interrupts_held() -> Iterator[None]:
-    """In this thread, and in what it begins meanwhile. The tracker of shared resources begins
-    before: multiprocessing lets interrupts through again when it has begun one. A library's thread
-    (BLAS) may take one all the same, which Python raises in the main thread: it is kept."""
+    """Hold back SIGINT in this thread and in processes that it starts meanwhile.
+
+    The tracker of shared resources is started before, since multiprocessing unblocks SIGINT when it
+    starts one. A library's thread (BLAS) may receive the signal all the same, and Python would
+    raise it in the main thread: it is noted, and raised afterwards."""
     resource_tracker.ensure_running()
     held: list[int] = []
     is_main = threading.current_thread() is threading.main_thread()

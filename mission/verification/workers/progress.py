@@ -1,4 +1,4 @@
-"""Progress, told every few seconds with the rate and the time that is left."""
+"""Progress, reported every few seconds with the rate and the time left."""
 
 from __future__ import annotations
 
@@ -6,14 +6,14 @@ import time
 from collections.abc import Callable, Iterable, Iterator
 from typing import TypeVar
 
-EVERY = 2.0  # s between two lines of progress
+EVERY = 2.0  # s between two lines of progress, at least
 _R = TypeVar("_R")
 
 
 def with_progress(
     found: Iterable[_R], total: int, word: str, tell: Callable[[str], None], kept: int = 0
 ) -> Iterator[_R]:
-    """``kept``: so many come from a file, at no time."""
+    """Pass results on and report progress. ``kept``: how many come from a file, without time."""
     begun = told = time.monotonic()
     for number, one in enumerate(found, 1):
         yield one
