@@ -1,10 +1,10 @@
-"""The waist of the mission room: what the others hand each other. Types only, no behaviour.
+"""The types that the packages of ``mission`` hand each other. They have no behaviour.
 
     texts --language--> Mission --compiler--> Chart --machine--> transitions
     Telemetry, Fix --navigation--> Estimate --variables--> Reading --engine--> Step, Setpoint
 
-SI and radians throughout; positions of the home in degrees only inside texts. Every type is
-frozen: whoever wants another value makes another object.
+All values are in SI units and radians; only the positions of texts are in degrees. Every type is
+frozen: another value is another object.
 """
 
 from mission.model.chart import (

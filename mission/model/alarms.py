@@ -1,11 +1,12 @@
-"""Every alarm there is: one table with level, words and what to do.
+"""All alarms: one table with level, words and what to do.
 
-A row's ``judge`` looks at a ``Condition``, which holds what somebody knows of a vehicle (None: he
-does not), and gives the words, "" where nothing is wrong. The Pi fills in what the runtime and
-serve know; the boat's program what it knows of the contact. ``bit`` is the row's place in the mask
-of ``@AE``, whose reader has the names and not the words; None: known on the boat alone.
+A row's ``judge`` takes a ``Condition``: what a program knows of a vehicle (None: not known). It
+returns the words of the alarm, "" if nothing is wrong. The Pi fills in what the runtime and serve
+know; the boat's program fills in what it knows of the contact. ``bit`` is the row's place in the
+mask of ``@AE``, whose reader has the names but not the words; None: an alarm of the boat alone.
 
-What does not live here: who asks, and who is told (onboard, topside); what a limit does (engine).
+What does not live here: who asks, who receives alarms (onboard, topside), what a limit does
+(engine).
 """
 
 from __future__ import annotations
@@ -15,15 +16,15 @@ from dataclasses import dataclass, field
 
 from mission.model.tables import Table
 
-WARNING, DANGER = "warning", "danger"  # to be looked at; to be acted on now
+WARNING, DANGER = "warning", "danger"  # look at it; act now
 
 UNPROVED_S = 120.0  # of an ascent in which no depth is believed
 AFLOAT_S = 60.0  # at the surface without a fix
-REFUSED_S = 120.0  # that a refusal is told as an alarm
+REFUSED_S = 120.0  # for which a refusal is an alarm
 UNSENT_S = 60.0
 CLOCK_S = 30.0  # between the Pi's clock and the receiver's
 FREE_B = 1_000_000_000  # 8 days of black box
-RUNS_OUT_S = 900.0  # of battery, as it falls now
+RUNS_OUT_S = 900.0  # until the battery's limit, as it falls now
 EMERGENCY = "emergency/"
 NO_LINKS: tuple[str, ...] = ()
 NO_LIMITS: Mapping[str, str] = {}
@@ -31,7 +32,7 @@ NO_LIMITS: Mapping[str, str] = {}
 
 @dataclass(frozen=True, slots=True)
 class Condition:
-    """Of one vehicle at one instant; None or empty: nothing is known. Times in s."""
+    """What is known of a vehicle at one instant; None or empty: not known. Times in s."""
 
     state: str = ""
     reason: str = ""
@@ -39,25 +40,25 @@ class Condition:
     unobeyed: bool = False  # a report contradicts a stop
     unproved: float | None = None  # since an ascent began in which no depth is believed now
     report_age: float | None = None  # inf: none ever came
-    reports_within: float = 5.0  # else they are old
+    reports_within: float = 5.0  # an older report is too old
     afloat_without_fix: float | None = None  # at the surface, with a receiver
     receivers: str = ""  # why the first of two receivers does not count
     refusal: str = ""
     refusal_age: float | None = None
     battery_runs_out: float | None = None  # until its limit, as it falls now
-    closed: tuple[str, ...] = NO_LINKS  # links that are away
-    unsent_age: float | None = None  # since a command could not leave
+    closed: tuple[str, ...] = NO_LINKS  # links that are disconnected
+    unsent_age: float | None = None  # since a command could not be sent
     disk_free: int | None = None  # bytes
     recording: str = ""  # why nothing is recorded, or what was lost
     clock_off: float | None = None  # from the receiver's time
-    broken: tuple[str, ...] = NO_LINKS  # of configuration, vehicle file and store, in words
+    broken: tuple[str, ...] = NO_LINKS  # what of configuration, vehicle file, store; in words
     silent: float | None = None  # on the boat: since the last answer
     overdue: str = ""  # on the boat: since when, and where to search
 
 
 @dataclass(frozen=True, slots=True)
 class AlarmRow:
-    """``bit``: for good, also when a row goes."""
+    """One kind of alarm. ``bit`` is permanent: that of a removed row is not used again."""
 
     name: str
     bit: int | None
@@ -68,7 +69,7 @@ class AlarmRow:
 
 @dataclass(frozen=True, slots=True)
 class Alarm:
-    """One that stands. ``words``: "" where only its bit came."""
+    """An active alarm. ``words``: "" if only its bit was received."""
 
     name: str
     level: str
@@ -110,7 +111,7 @@ def _fix(c: Condition) -> str:
 
 
 def _refused(c: Condition) -> str:
-    """Its age once: an ``@AR`` of later ends with it."""
+    """The refusal and its age. An ``@AR`` that is sent later ends with the age already."""
     if not c.refusal or c.refusal_age is None or c.refusal_age > REFUSED_S:
         return ""
     return c.refusal if c.refusal.endswith(" ago") else f"{c.refusal} ({c.refusal_age:.0f} s ago)"
@@ -201,7 +202,7 @@ ALARMS: Table[str, AlarmRow] = Table(lambda row: row.name, _ROWS, _fault)
 
 
 def standing(condition: Condition) -> tuple[Alarm, ...]:
-    """In the order of the table."""
+    """Return the active alarms, in the order of the table."""
     found = ((row, row.judge(condition)) for row in ALARMS.values())
     return tuple(Alarm(row.name, row.level, words, row.do) for row, words in found if words)
 
@@ -212,7 +213,7 @@ def mask_of(names: Iterable[str]) -> int:
 
 
 def alarms_of(mask: int) -> tuple[Alarm, ...]:
-    """Of a mask from elsewhere; a bit that no row here has is told as such."""
+    """Return the alarms of a received mask; a bit without a row here is a newer vehicle's."""
     rows = {row.bit: row for row in ALARMS.values() if row.bit is not None}
     found = []
     for bit in range(16):

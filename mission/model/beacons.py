@@ -2,8 +2,8 @@
 
     beacons: {3: 30.28800 120.15400 4 m, 4: 30.28600 120.15200 6 m 1480 m/s}
 
-Latitude and longitude in degrees, depth; last, where it is not 1500 m/s, how fast sound travels
-from there. What does not live here: YAML (vehicle_file), what a range is good for (navigation).
+A beacon has latitude and longitude in degrees, its depth, and the speed of sound from it unless
+that is 1500 m/s. What does not live here: YAML (vehicle_file), the use of a range (navigation).
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from mission.model.units import UnitError, quantity
 from mission.model.vehicle import Beacon
 from mission.model.vehicle_outputs import Tables
 
-MOST = 127  # the highest number that modems have
+MOST = 127  # the highest number of a modem
 SLOWEST, FASTEST = 1300.0, 1700.0  # m/s, of sound in water
 DEEPEST = 11_000.0  # m
 _NUMBER = re.compile(r"0|[1-9]\d{0,2}")

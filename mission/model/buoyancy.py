@@ -1,7 +1,7 @@
-"""What X rests on: that the vehicle rises with nothing turning, and how well that is known.
+"""The rise of the vehicle with no thruster on, which X relies on, and how well it is known.
 
 The figure is the vehicle file's ``ascent_buoyancy``; the float test measures it. What does not live
-here: the measuring (navigation.floating), the file (vehicle_file).
+here: the measurement (analysis.floating), the file (vehicle_file).
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from datetime import date
 
 from mission.model.vehicle import Vehicle
 
-OLD = 90  # days: ballast, hull and water are others by then
+OLD = 90  # days, after which ballast, hull and water may have changed
 _BY_FLIGHT = "fly float-test, then auvmission calibrate"
 _BY_HAND = (
     "let it go some metres deep, time its rise, and set ascent_buoyancy and ascent_measured in the "
@@ -19,17 +19,17 @@ _BY_HAND = (
 
 
 def learn(vehicle: Vehicle) -> str:
-    """How the figure is measured: the shipped float test is in the words of document 000."""
+    """Return how to measure the figure; the shipped float test uses commands of document 000."""
     return _BY_FLIGHT if vehicle.codec == "auv" else _BY_HAND
 
 
 def rises(vehicle: Vehicle) -> bool:
-    """Whether it rises by itself; True for what drives on the ground and need not."""
+    """Whether it rises by itself; True if it drives on the ground and need not rise."""
     return vehicle.drives or vehicle.ascent_buoyancy > 0.0
 
 
 def heavy(vehicle: Vehicle) -> str:
-    """Why nothing may be flown that counts on it, and what to do; "" if it rises."""
+    """Return why no mission may be flown, and what to do; "" if the vehicle rises."""
     if rises(vehicle):
         return ""
     return (
@@ -39,7 +39,7 @@ def heavy(vehicle: Vehicle) -> str:
 
 
 def told(vehicle: Vehicle) -> str:
-    """The figure, and where it is from."""
+    """The figure and its source, in words."""
     day = vehicle.ascent_measured
     since = f"measured {day}" if day else "a planning figure, never measured"
     return f"{vehicle.ascent_buoyancy:g} m/s, {since}"
@@ -52,7 +52,7 @@ def age(vehicle: Vehicle, today: date) -> int | None:
 
 
 def doubt(vehicle: Vehicle, today: date) -> str:
-    """Why the figure is not to be relied on without a new float test; "" if it is."""
+    """Return why the figure needs a new float test; "" if it does not."""
     days = age(vehicle, today)
     if vehicle.drives:
         return ""

@@ -12,7 +12,7 @@ from protocol.vehicles.channels import Source
 
 @dataclass(frozen=True, slots=True)
 class Loop:
-    """A condition on a group's round: ``again`` there are rounds left, else it was the last."""
+    """A condition on a group's round. ``again``: rounds are left; else it was the last."""
 
     group: str  # path
     again: bool
@@ -37,8 +37,8 @@ class State:
     """A node of the mission's tree. ``path`` is ``autonomous/rows/out``; parents come first.
 
     ``setpoint`` is a leg's complete set (None for groups); an axis that the leg's kind steers
-    (a goto's heading) is None in it. ``outputs`` are all that the mission names anywhere, by name,
-    each with what it is in this leg.
+    (a goto's heading) is None in it. ``outputs`` are all outputs that the mission names anywhere,
+    each with its value in this leg.
     """
 
     path: str
@@ -51,18 +51,18 @@ class State:
 
 @dataclass(frozen=True, slots=True)
 class Edge:
-    """One way out of a state; of a state's edges the first that holds is taken, as written.
+    """One way out of a state. Of a state's edges the first that holds is taken, as written.
 
-    ``guard`` None: due by its kind alone (timeout, for, end, else). ``loops`` are all tested;
-    an edge that goes through the end of a repeated group stands several times, once per outcome.
-    Taking it, a loop with ``again`` counts one round more, one without starts anew at round 1;
-    a group that is entered starts at round 1, except by history.
+    ``guard`` None: the edge's kind alone decides (timeout, for, end, else). ``loops`` are all
+    tested. An edge through the end of a repeated group exists several times, once per outcome. When
+    it is taken, a loop with ``again`` counts one more round; one without starts again at round 1.
+    A group that is entered starts at round 1, except by history.
 
     ``source`` may be a group or ``autonomous`` (its ``on`` handlers, and ``on uncertain``). A
     handler acts when its guard becomes true while a leg below its source is active, except in the
-    leg it leads to; when that happens a second time, the implicit leg is entered instead of its
-    target. A group that is entered arms its handlers anew. Nothing of the mission leaves the
-    implicit leg ``autonomous/surface`` but its own end.
+    leg it leads to. When that happens a second time, the implicit leg is entered instead of its
+    target. A group that is entered arms its handlers again. Within the mission, only its own end
+    leaves the implicit leg ``autonomous/surface``.
     """
 
     trigger: str  # unique
@@ -76,10 +76,10 @@ class Edge:
 
 @dataclass(frozen=True, slots=True)
 class Chart:
-    """``states`` hold the mission's tree below ``autonomous``, the implicit leg
-    ``autonomous/surface`` last. ``initial`` is the first leg's path. Targets are always legs, but
-    for the edge END of the implicit leg, which leads to ``idle/ready``. Edges of one source stand
-    in the order in which they are looked at: exits as written, end, for, timeout, else."""
+    """A compiled mission. ``states`` hold its tree below ``autonomous``, the implicit leg
+    ``autonomous/surface`` last. ``initial`` is the first leg's path. Targets are always legs,
+    except that the edge END of the implicit leg leads to ``idle/ready``. Edges of one source are in
+    the order in which they are tested: exits as written, end, for, timeout, else."""
 
     mission: Mission
     digest: str  # SHA-256 of the canonical text, hex
@@ -101,7 +101,7 @@ class Chart:
         return self._by_path[path]
 
     def leaving(self, source: str) -> tuple[Edge, ...]:
-        """The edges of one state, in the order in which they are looked at."""
+        """Return the edges of one state, in the order in which they are tested."""
         return self._by_source.get(source, ())
 
 

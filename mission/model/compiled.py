@@ -1,8 +1,8 @@
 """Which modules mypyc may compile, and which of them are compiled where this program runs.
 
-Compiled code comes from the same sources and gives the same bytes; it is only quicker. The list has
-what an hour of flight spends its time in, and what a campaign's laws do. Left to the interpreter:
-what other classes inherit from (frames, codecs), and whatever runs once a flight.
+Compiled code comes from the same sources and gives the same bytes, but faster. The list has the
+modules in which an hour of flight spends its time, and those of a campaign's laws. Not compiled:
+classes that others inherit from (frames, codecs), and code that runs once per flight.
 
 What does not live here: how they are compiled (hatch_build.py).
 """
@@ -105,7 +105,7 @@ _ROOT = Path(mission.__file__).resolve().parents[1]
 
 
 def compiled() -> list[str]:
-    """Those of MODULES that have a compiled form beside their source: Python takes that first."""
+    """Return those MODULES that have a compiled form beside their source; Python prefers it."""
     return [name for name in MODULES if any(map(Path.exists, _extensions(name)))]
 
 

@@ -2,8 +2,9 @@
 
     other = copied(self, machine=self.machine)      # every attribute; those named are given
 
-What can change is copied: containers, and objects by their own ``clone``. What cannot is shared.
-An attribute of neither kind is a TypeError, so a new one cannot be shared by accident.
+Values that can change are copied: containers, and objects by their own ``clone``. Values that
+cannot are shared. An attribute of neither kind raises TypeError, so that a new attribute cannot be
+shared by accident.
 """
 
 from __future__ import annotations
@@ -30,13 +31,13 @@ _NAMES: dict[type, tuple[str, ...]] = {}
 
 
 def is_fixed(kind: type) -> bool:
-    """No value of the type can change: it may be shared."""
+    """Whether no value of the type can change, so that it may be shared."""
     frozen = dataclasses.is_dataclass(kind) and kind.__dataclass_params__.frozen  # type: ignore[attr-defined]
     return frozen or issubclass(kind, (*_FIXED, *_CALLED))
 
 
 def copied(whole: T, /, **given: Any) -> T:
-    """Another object of the type with the attributes ``given``, and copies of all others.
+    """Return another object of the type with the attributes ``given``, and copies of all others.
     Raises TypeError for an attribute that can change and has no ``clone``."""
     kind = type(whole)
     other = kind.__new__(kind)
@@ -53,14 +54,14 @@ def copied(whole: T, /, **given: Any) -> T:
 
 
 def held(whole: object) -> dict[str, Any]:
-    """By name, all that stands in its dictionary and its slots; a slot that is not set is left."""
+    """Return all attributes by name, of dictionary and slots, without slots that are not set."""
     slots = {name: getattr(whole, name) for name in slots_of(type(whole)) if hasattr(whole, name)}
     own: dict[str, Any] = getattr(whole, "__dict__", {})
     return own | slots
 
 
 def slots_of(kind: type) -> tuple[str, ...]:
-    """The names of its slots; a compiled class has another table of them."""
+    """Return the names of its slots; a compiled class has them in another table."""
     tables = [vars(base) for base in kind.__mro__]
     return tuple(
         name
@@ -71,13 +72,13 @@ def slots_of(kind: type) -> tuple[str, ...]:
 
 def _attributes(kind: type, whole: object) -> tuple[str, ...]:
     slots = slots_of(kind)
-    if not hasattr(whole, "__dict__"):  # slots alone: the names are the type's
+    if not hasattr(whole, "__dict__"):  # slots alone: all objects of the type have these names
         _NAMES[kind] = slots
     return (*slots, *getattr(whole, "__dict__", ()))
 
 
 def _classify(value: Any) -> Any:
-    """The first value of its type."""
+    """Find how values of this type are copied, and copy the value, the first of its type."""
     kind = type(value)
     if kind in _CONTAINERS:
         _HOW[kind] = _CONTAINERS[kind]

@@ -1,13 +1,13 @@
-"""What is wrong with a text that somebody wrote: at which stage, where, which rule, and what to do.
+"""Errors in a text that a user wrote: at which stage, where, which rule, and what to do.
 
-    Diagnosed      (whoever wrote the text must act; holds every Diagnostic, str shows them all)
+    Diagnosed      (the author of the text must act; holds every Diagnostic, str shows them all)
       MissionErrors         a mission in either form, or a script that was uploaded
       VehicleError          a vehicle file
       ConfigurationError    serve.yaml
       ImportErrors          a plan of another program
 
-Readers do not raise: they add to a ``Diagnostics`` and read on, so that one round tells everything.
-What is too large, and the hundredth error, end the reading there.
+Readers do not raise: they add to a ``Diagnostics`` and continue, so that one run reports all
+errors. A text that is too large, and the hundredth error, end the reading.
 """
 
 from __future__ import annotations
@@ -20,29 +20,29 @@ from typing import Any
 from mission.model.extent import PROBLEMS
 from mission.model.texts import NOWHERE, Where
 
-_SHOWN = 100  # characters of a line shown to either side of what is wrong in it
+_SHOWN = 100  # characters of a line that are shown on either side of an error
 _TOLD = 300  # characters of a message
 
 
 class Stage(enum.Enum):
-    """What was being done with the text, in the order in which it is done."""
+    """The step in which an error was found, in the order of the steps."""
 
     CONFIGURATION = "configuration"  # serve.yaml was read
     VEHICLE = "vehicle"  # a vehicle file was read
     IMPORT = "import"  # a plan of another program was read
     TEXT = "text"  # a mission's text was read
     COMPILE = "compile"  # its legs were put together, on a vehicle
-    CHECK = "check"  # it was proved
+    CHECK = "check"  # the bounds were proved
 
 
 @dataclass(frozen=True, slots=True)
 class Diagnostic:
-    """``code`` names the rule that was broken, for programs and tests; ``hint`` is what to write
-    instead.
+    """One error. ``code`` names the rule that was broken, for programs and tests; ``hint`` says
+    what to write instead.
 
-    ``text`` is the whole source line, of which ``where.length`` characters from ``where.column``
-    are meant; "" where it is not at hand. Line 0 is no place in the text (a parameter from
-    outside). ``path`` is the counterexample of a bound: leg, how it was left, after how long.
+    ``text`` is the whole source line ("" if not known); ``where.length`` characters of it from
+    ``where.column`` are meant. Line 0 is no place in the text (a parameter from outside). ``path``
+    is the counterexample of a bound: leg, how it was left, after how long.
     """
 
     stage: Stage
@@ -61,7 +61,7 @@ class Diagnostic:
 
     @property
     def place(self) -> str:
-        """``file:line:column``, of which what is not known is left out."""
+        """``file:line:column``, without the parts that are not known."""
         at = f"{self.where.line}:{self.where.column}" if self.where.line else ""
         return ":".join(filter(None, (self.file, at)))
 
@@ -73,8 +73,8 @@ class Diagnostic:
 
     @property
     def rendered(self) -> str:
-        """Message, source line, underline, hint; tabs are kept so that the marks line up. Of a
-        long line, what stands around."""
+        """Message, source line, underline, hint. Tabs are kept, so that the marks line up; of a
+        long line only the part around the error is shown."""
         said = f"{self.message} [{self.code}]"
         rows = [f"{self.place}: {said}" if self.place else said]
         if self.where.line and self.text:
@@ -88,7 +88,7 @@ class Diagnostic:
         return "\n".join([*rows, *(f"    {step}" for step in self.path)])
 
     def as_object(self) -> dict[str, Any]:
-        """As programs read it (``--json``)."""
+        """The error as programs read it (``--json``)."""
         return {
             "stage": self.stage.value,
             "code": self.code,
@@ -129,8 +129,8 @@ def ordered(found: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:
 
 
 def shown(found: Sequence[Diagnostic], source: str) -> str:
-    """All of them, underlined, and how many they are, in which files; ``source`` is the text that
-    was read, "" if there was none. What is wrong beside it is in none."""
+    """All errors, underlined, with their number and files. ``source`` is the text that was read,
+    "" if there was none. An error that is not in the text belongs to no file."""
     count, files = len(found), sorted({d.file for d in found} - {""}) if source else []
     total = f"{', '.join(files)}: " if files else ""
     total += f"{count} error{'s' if count != 1 else ''}"
@@ -140,7 +140,7 @@ def shown(found: Sequence[Diagnostic], source: str) -> str:
 
 
 def placed(found: Iterable[Diagnostic], text: str, file: str) -> tuple[Diagnostic, ...]:
-    """The same with the lines of ``text`` that they mean."""
+    """Return the same diagnostics with their lines of ``text``."""
     lines = _lines(text)
     return tuple(_placed(d, lines, file) for d in found)
 
@@ -157,8 +157,8 @@ def _lines(text: str) -> list[str]:
 
 
 class Diagnostics:
-    """Collects while the text of a ``file`` is read; the same is said once of a place. ``error`` is
-    what it raises."""
+    """Collects errors while the text of a ``file`` is read, each once per place. ``error`` is the
+    exception to raise."""
 
     def __init__(
         self,
@@ -177,7 +177,7 @@ class Diagnostics:
         self._take(message, found)
 
     def add_outside(self, code: str, message: str, hint: str = "") -> None:
-        """What is wrong with what was given beside the text."""
+        """Add an error in something that was given besides the text."""
         self._take(message, whole(code, _clipped(message), _clipped(hint), self._stage))
 
     def _take(self, message: str, found: Diagnostic) -> None:
@@ -187,7 +187,7 @@ class Diagnostics:
             self.complain()
 
     def refusal(self, code: str, where: Where, message: str, hint: str = "") -> Diagnosed:
-        """With this one, after which there is no reading on."""
+        """Add an error after which reading cannot continue; return the exception to raise."""
         self.add(code, where, message, hint)
         return self.error()
 
@@ -198,15 +198,15 @@ class Diagnostics:
         return ordered(self._found.values())
 
     def within(self, first: int, last: int) -> bool:
-        """Whether something is wrong in these lines already."""
+        """Whether an error in these lines is known already."""
         return any(first <= line <= last for _, line, *_ in self._found)
 
     def placed(self, found: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:
-        """What others found in the same text, with its lines."""
+        """Return what others found in the same text, with its lines."""
         return tuple(_placed(d, self._lines, self._file) for d in found)
 
     def complain(self) -> None:
-        """Raises what is wrong, if there is anything to complain about."""
+        """Raise the errors, if there are any."""
         if self._found:
             raise self.error()
 
@@ -215,7 +215,7 @@ class Diagnostics:
 
 
 def whole(code: str, message: str, hint: str = "", stage: Stage = Stage.TEXT) -> Diagnostic:
-    """What is wrong with no place of a text: the file, an argument."""
+    """Return an error without a place in a text: in the file as a whole, or in an argument."""
     return Diagnostic(stage, code, NOWHERE, message, hint)
 
 

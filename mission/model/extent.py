@@ -1,10 +1,10 @@
-"""How large a mission may be: what is beyond is refused with the figure, before it is read on.
+"""How large a mission may be. A larger text is refused with the figure, before it is read further.
 
-With these, judging a text takes seconds and neither stack nor memory can run out, whatever it says;
-and what is accepted loads and steps in bounded time.
+With these bounds, judging any text takes seconds, and neither stack nor memory can run out. An
+accepted mission loads and steps in bounded time.
 
-What does not live here: what a single number may be (language.words), the legs that are walked at
-most (check.flow).
+What does not live here: ranges of single numbers (language.words), how many legs the check walks
+(check.flow).
 """
 
 from __future__ import annotations

@@ -8,11 +8,11 @@ from collections.abc import Iterable, Sequence
 
 from mission.model.extent import NAME
 
-_COMPARED = 500  # names that a misspelt one is compared with
+_COMPARED = 500  # names, at most, that a misspelt one is compared with
 
 
 def nearest(word: str, known: Iterable[str], likeness: float = 0.6) -> str:
-    """The known name that ``word`` most likely means, or "" where none is that like it."""
+    """Return the known name that ``word`` most likely means, or "" if none is similar enough."""
     if len(word) > 2 * NAME.most:
         return ""
     names = {name.lower(): name for name in itertools.islice(known, _COMPARED)}
@@ -21,7 +21,7 @@ def nearest(word: str, known: Iterable[str], likeness: float = 0.6) -> str:
 
 
 def suggestion(word: str, known: Sequence[str], what: str) -> str:
-    """A hint: the nearest known name, and all of them where they are few."""
+    """A hint: the nearest known name; if there is none, the first 30 known names."""
     close = nearest(word, known)
     if close:
         return f"did you mean {close}?"

@@ -1,9 +1,10 @@
-"""What a vehicle's values were, by time: a row of each report, of which so many are kept.
+"""A vehicle's values over time: one row per report, of which a limited number is kept.
 
-    a state that is shown (a flat table) --row_of--> [t, depth, altitude, ...] --> Past
+    a displayed state (a flat table) --row_of--> [t, depth, altitude, ...] --> Past
 
-The vehicle keeps one for who comes later, and so does who looks. Beyond ``ROWS`` every other one
-goes, and new ones are kept as far apart. What does not live here: who is told (monitor).
+The vehicle keeps a Past for viewers that connect later, and each viewer keeps one. Beyond ``ROWS``
+every other row is dropped, and new rows are taken half as often. What does not live here: who
+receives the rows (monitor).
 """
 
 from __future__ import annotations
@@ -21,11 +22,12 @@ NAMES = (
     "to_depth", "to_radius", "to_time", "to_voltage",
 )  # fmt: skip
 ROWS = 4096
-EVERY_S = 1.0  # between two rows at least, while there is room
+EVERY_S = 1.0  # between two rows at least, until ``ROWS`` is reached
 
 
 def row_of(state: Mapping[str, Any]) -> Row | None:
-    """Of an ellipse its long half axis, of a margin what is left. None where nothing is known."""
+    """Return the row of a state, None if nothing is known. It has the long half axis of an ellipse,
+    and what is left of a margin."""
     t = state.get("report_at")
     values = [_number(state.get(name)) for name in NAMES]
     known = _is_number(t) and any(value is not None for value in values)
@@ -38,8 +40,8 @@ def _number(value: Any) -> Any:
 
 
 class Past:
-    """``rows`` by time; ``news`` the same as they came to be known. Whoever was told of ``news`` is
-    told anew where ``thinned`` has changed."""
+    """``rows`` are in order of time, ``news`` are the same rows in order of arrival. Once
+    ``thinned`` has changed, a viewer has to be sent all of ``news`` again."""
 
     def __init__(self, rows: Iterable[Row] = ()) -> None:
         self.rows, self.thinned = list(rows), 0
@@ -47,13 +49,13 @@ class Past:
         self._every = EVERY_S
 
     def take(self, state: Mapping[str, Any]) -> None:
-        """The report that a state shows, where it is another than the last."""
+        """Add the report that a state shows, if it is enough later than the last row."""
         row = row_of(state)
         if row is not None and (not self.rows or row[0] >= self.rows[-1][0] + self._every):
             self.add((row,))
 
     def add(self, rows: Iterable[Row]) -> None:
-        """In any order; what is known already is left."""
+        """Add rows in any order; rows that are known already are ignored."""
         for row in rows:
             at = bisect_left(self.rows, row[0], key=_time)
             if at == len(self.rows) or self.rows[at][0] != row[0]:
@@ -66,7 +68,7 @@ class Past:
             self.thinned += 1
 
     def until(self, t: float) -> list[Row]:
-        """The rows up to a time."""
+        """Return the rows up to a time."""
         return self.rows[: bisect_left(self.rows, t + 1e-9, key=_time)]
 
 

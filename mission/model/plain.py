@@ -13,12 +13,12 @@ from pathlib import Path
 from typing import Any, TypeVar, cast, get_args, get_origin
 
 _D = TypeVar("_D")
-# Metadata of a field that is left out where it is empty: what is written without it stays as it is.
+# Metadata of a field that is left out if empty: the plain form of older values does not change.
 UNSAID = types.MappingProxyType({"unsaid": True})
 
 
 def to_plain(value: Any) -> Any:
-    """Lists, tables, texts and numbers that ``from_plain`` turns back into an equal value."""
+    """Return lists, tables, texts and numbers that ``from_plain`` turns into an equal value."""
     if dataclasses.is_dataclass(value) and not isinstance(value, type):
         told = {f: getattr(value, f.name) for f in dataclasses.fields(value)}
         return {f.name: to_plain(v) for f, v in told.items() if v or "unsaid" not in f.metadata}

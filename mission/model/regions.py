@@ -34,8 +34,8 @@ REGIONS: Mapping[str, tuple[str, ...]] = MappingProxyType(
         EMERGENCY: (STOPPED, SURFACING, SURFACED),
     }
 )
-AGAIN = "autonomous:again"  # to the implicit leg: a handler's condition arose a second time
-LEG = ""  # as a target: whichever leg the mission starts with, or was interrupted in
+AGAIN = "autonomous:again"  # to the implicit leg: a handler's guard became true a second time
+LEG = ""  # as a target: the leg that the mission starts with, or in which it was interrupted
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,4 +1,4 @@
-"""What is handed about while a mission runs: estimate, readings, steps, what came of them."""
+"""Types of a mission that runs: estimate, readings, steps, outcomes."""
 
 from __future__ import annotations
 
@@ -44,25 +44,25 @@ class Estimate(NamedTuple):
 
     @property
     def located(self) -> bool:
-        """It says a position, and of numbers: what is none would be beyond no limit."""
+        """Whether it has a position, in finite numbers: NaN would exceed no limit."""
         told = self.north + self.east + sum(self.covariance)
         return self.mode is not NavigationMode.NONE and math.isfinite(told)
 
 
 @dataclass(frozen=True, slots=True)
 class Reading:
-    """What a guard sees of one variable. Not ``valid``: a comparison with it is unknown."""
+    """What a guard sees of one variable. If it is not ``valid``, a comparison is unknown."""
 
     value: float
     sigma: float
     age: float  # s
     valid: bool
-    reason: str = ""  # why not valid: stale, missing, frozen, absurd
+    reason: str = ""  # why not valid: stale, missing, frozen, absurd, contradicted
 
 
 @dataclass(frozen=True, slots=True)
 class Evaluation:
-    """A guard that was looked at and decided something, with the values it saw."""
+    """A guard that was evaluated and decided something, with the values it saw."""
 
     trigger: str
     result: bool | None
@@ -78,15 +78,15 @@ class Step:
     evaluations: tuple[Evaluation, ...]
     exited: tuple[str, ...]
     entered: tuple[str, ...]
-    actions: tuple[str, ...]  # in words; every command that leaves has one
+    actions: tuple[str, ...]  # in words; every command that is sent has one
     trigger: str = ""  # the edge that was taken
     by: By | None = None  # why, where a leg was left
 
 
 @dataclass(frozen=True, slots=True)
 class Action:
-    """Something for the vehicle, with the reason that goes on record. ``steers``: a set
-    that differs a little from the one in force, so that nothing need be cleared before."""
+    """A command for the vehicle, with the reason for the record. ``steers``: a set that differs a
+    little from the one in force, so that nothing must be cleared before it."""
 
     command: Setpoint | Order | Outputs
     reason: str
@@ -99,13 +99,13 @@ class Result(enum.Enum):
     ACCEPTED = "accepted"  # ACK Y
     REFUSED = "refused"  # ACK N
     LOST = "lost"  # no answer after all tries (R1)
-    LATE = "late"  # a set of which something has not left in time
+    LATE = "late"  # a part of a set was not sent in time
 
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """Reported to the engine for every Z frame, in the order they were sent; a frame that is
-    LATE may be sent yet."""
+    """Reported to the engine for every Z frame, in the order in which they were sent. A frame that
+    is LATE may still be sent."""
 
     result: Result
     frame: bytes
@@ -114,7 +114,7 @@ class Outcome:
 
 @dataclass(frozen=True, slots=True)
 class Verdict:
-    """The engine's answer to an operator's command; ``why`` is for the operator's eyes."""
+    """The engine's answer to an operator's command; ``why`` is shown to the operator."""
 
     accepted: bool
     why: str = ""
@@ -122,15 +122,15 @@ class Verdict:
 
 @dataclass(frozen=True, slots=True)
 class Loaded:
-    """The store holds this mission (None: none); told to the engine, which then can start it."""
+    """The store holds this mission (None: none). With this the engine can start it."""
 
     chart: Chart | None
 
 
 @dataclass(frozen=True, slots=True)
 class LineOpened:
-    """The vehicle's port is open again. Meanwhile something else may have been on it, and may have
-    acknowledged what the vehicle never heard."""
+    """The vehicle's port is open again. Meanwhile another device may have been on it, and may have
+    acknowledged commands that the vehicle never received."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -142,8 +142,8 @@ class AutoNode:
 
 @dataclass(frozen=True, slots=True)
 class Restarted:
-    """The program starts: ``during`` is what ``Engine.under_way`` said last ("" if nothing was,
-    UNKNOWN where the store cannot tell)."""
+    """The program starts. ``during`` is the last ``Engine.under_way`` ("" if nothing was under way,
+    UNKNOWN if the store cannot tell)."""
 
     during: str
 
@@ -153,19 +153,19 @@ UNKNOWN = "something that the store does not tell"
 
 @dataclass(frozen=True, slots=True)
 class Ending:
-    """The program is to end, in order: up first. ``now``: it has no more time for that."""
+    """The program has to end in order, with the vehicle up first. ``now``: no time is left."""
 
     now: bool = False
 
 
-CONTRADICTED = "contradicted"  # how such a reason begins
-NEARS_GROUND = "the ground comes nearer"  # what one of them says: it sinks, by the altimeter
+CONTRADICTED = "contradicted"  # such a reason begins with it
+NEARS_GROUND = "the ground comes nearer"  # in one of them: the vehicle sinks, by the altimeter
 
 
 class Health(NamedTuple):
-    """Whether a sensor can be believed, and if not why (missing, stale, frozen, absurd,
-    contradicted). ``moves``: it is contradicted, but what it changes by can be believed. A tuple,
-    because some are made for every report."""
+    """Whether a sensor is believed, and if not why (missing, stale, frozen, absurd, contradicted).
+    ``moves``: it is contradicted, but its changes can be believed. A tuple, because several are
+    made for every report."""
 
     valid: bool
     reason: str
@@ -174,9 +174,9 @@ class Health(NamedTuple):
 
 
 class Vertical(NamedTuple):
-    """What moves the vehicle up and down: ``down`` is the share of full thrust that its verticals
-    report, downward positive (None: they do not), ``asked`` the depth that the set in force asks
-    for in m (infinite: as deep, or as high, as it goes; None: none)."""
+    """What moves the vehicle up and down. ``down``: share of full thrust that its vertical
+    thrusters report, downward positive (None: not reported). ``asked``: the depth of the set in
+    force, m (infinite: as deep, or as high, as possible; None: none)."""
 
     down: float | None
     asked: float | None
@@ -184,7 +184,7 @@ class Vertical(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Tx:
-    """Bytes that leave, and why. ``address`` picks the peer where a link has several."""
+    """Bytes to send, and why. ``address`` picks the peer if a link has several."""
 
     t: float
     link: str

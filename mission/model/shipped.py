@@ -10,14 +10,14 @@ from mission.model.vehicle_file import LONGEST, read_vehicle
 
 
 def missions_folder() -> Path:
-    """The shipped missions/: in the wheel inside this package, in a checkout beside it."""
+    """Return the shipped missions/: inside the package in a wheel, beside it in a checkout."""
     here = Path(__file__).resolve().parents[1]
     shipped = here / "missions"
     return shipped if shipped.is_dir() else here.parent / "missions"
 
 
 def shipped_missions() -> dict[str, Path]:
-    """By name: the AUV's, and those of the other vehicles, which lie in a folder of their own."""
+    """Return the missions of the AUV and, from the folder others/, of other vehicles, by name."""
     folder = missions_folder()
     found = (*folder.glob("*.yaml"), *(folder / "others").glob("*.yaml"))
     return {path.stem: path for path in sorted(found, key=lambda path: path.stem)}
@@ -28,7 +28,7 @@ def shipped_vehicles() -> list[str]:
 
 
 def vehicle_file(name: str | Path) -> Path:
-    """That of a shipped vehicle's name; a path as it stands."""
+    """Return the path for the name of a shipped vehicle; a path is returned as it is."""
     path = Path(name)
     if path.suffix in (".yaml", ".yml"):
         return path
@@ -36,7 +36,7 @@ def vehicle_file(name: str | Path) -> Path:
 
 
 def load_vehicle(name: str | Path) -> Vehicle:
-    """A vehicle by the name of a shipped file or by path. Raises VehicleError."""
+    """Load a vehicle by the name of a shipped file or by path. Raises VehicleError."""
     path = vehicle_file(name)
     try:
         with path.open(encoding="utf-8") as file:

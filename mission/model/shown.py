@@ -1,7 +1,7 @@
-"""Values as people read them on pictures and in tables: rounded, with units.
+"""Values as people read them in pictures and tables: rounded, with units.
 
-Plain characters only (ASCII, Latin-1), because a picture is shown with whatever font the machine
-has. What does not live here: numbers that read back as the same bits (units.number_text).
+Only plain characters (ASCII, Latin-1), because a picture is shown with the fonts of the machine.
+What does not live here: numbers that read back as the same bits (units.number_text).
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from mission.model.texts import Local, Place, Position
 
 
 def number(value: float) -> str:
-    """At most three digits behind the point, no trailing zeros."""
+    """At most three digits after the point, no trailing zeros."""
     return f"{round(value, 3):.10g}"
 
 

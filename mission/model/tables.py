@@ -1,5 +1,5 @@
-"""Tables of rows that are made to be added to, as the rooms of ``mission`` use them; the links and
-the frames have theirs from the same place."""
+"""Extensible tables of rows, for the packages of ``mission``. Links and frames import the same
+classes from ``protocol.tables``."""
 
 from protocol.tables import Table, derived
 

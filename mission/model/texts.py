@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 
 @dataclass(frozen=True, slots=True)
 class Where:
-    """A place in a mission text, counted from 1; ``length`` characters are meant."""
+    """A place in a mission text, counted from 1, and the ``length`` of what is meant."""
 
     line: int
     column: int
@@ -29,8 +29,8 @@ NOWHERE = Where(0, 0, 0)
 class Comparison:
     """``variable operator bound``, the bound in the variable's SI unit.
 
-    ``sure`` (0..1) asks the estimate's covariance: true only if that share of the distribution
-    fulfils the comparison.
+    ``sure`` (0..1) uses the estimate's covariance: the comparison is true only if that share of the
+    distribution fulfils it.
     """
 
     variable: str
@@ -47,7 +47,7 @@ class Comparison:
 @dataclass(frozen=True, slots=True)
 class Trend:
     """``variable`` falls, or ``rises``, by ``amount`` (SI) within the last ``window`` s, or
-    within ``window`` m of the depth that it is at (``of_depth``); infinite: since the leg began."""
+    within ``window`` m of the present depth (``of_depth``); infinite: since the leg began."""
 
     variable: str
     rises: bool
@@ -63,8 +63,8 @@ class Trend:
 
 @dataclass(frozen=True, slots=True)
 class Back:
-    """``variable`` is within so much (SI) of what it was where ``peak`` was ``highest``, or else
-    lowest, in the leg before."""
+    """``variable`` is ``within`` so much (SI) of its value at the point of the leg before where
+    ``peak`` was ``highest``, or else lowest."""
 
     variable: str
     highest: bool
@@ -107,7 +107,7 @@ class Guard:
 
 
 def terms(expression: Expression) -> Iterator[Term]:
-    """What is joined by and, or, not; as written, from left to right."""
+    """Yield the terms that and, or, not join, from left to right as written."""
     stack = [expression]
     while stack:
         node = stack.pop()
@@ -145,7 +145,7 @@ HOME = "home"
 
 
 class Axis(enum.Enum):
-    """What a leg may set or keep. One axis has one holder at a time."""
+    """What a leg may set or keep. Only one setting holds an axis at a time."""
 
     HORIZONTAL = "gear and turn (left, right)"
     HEADING = "heading"
@@ -168,8 +168,8 @@ class Setting:
 
 @dataclass(frozen=True, slots=True)
 class OutputSetting:
-    """``output name value``: an output of the vehicle file, in its unit there. They stand sorted
-    by name."""
+    """``output name value``: an output of the vehicle file, in its unit there. A leg has them
+    sorted by name."""
 
     name: str
     value: float
@@ -199,7 +199,7 @@ Aims = tuple[tuple[str, float], ...]
 
 
 class LegKind:
-    """What a leg does beside holding its settings: a frozen dataclass in its leg type's own file
+    """What a leg does besides holding its settings: a frozen dataclass in the file of its leg type
     (mission.legs)."""
 
     __slots__ = ()
@@ -207,10 +207,10 @@ class LegKind:
 
 @dataclass(frozen=True, slots=True)
 class Leg:
-    """``name`` is unique in its group; generated ones are ``line12``. ``duration`` is ``for``.
+    """``name`` is unique in its group; a generated name is ``line12``. ``duration`` is ``for``.
 
-    ``otherwise`` is the leg's ``else``: taken at the timeout, when a Z is refused and when a
-    needed reading stays invalid; None: the mission's ``on timeout`` (default surface).
+    ``otherwise`` is the leg's ``else``. It is taken at the timeout, when a Z is refused, and when a
+    needed reading stays invalid. None: the mission's ``on timeout`` (default surface).
     """
 
     name: str
@@ -227,7 +227,7 @@ class Leg:
 
 @dataclass(frozen=True, slots=True)
 class Set:
-    """A bare ZA line: sets and goes on at once."""
+    """A bare ZA line: it sets, and the mission continues at once."""
 
     name: str
     settings: tuple[Setting, ...]
@@ -251,7 +251,7 @@ Node = Leg | Set | Group
 
 
 def legs_of(body: Iterable[Node]) -> Iterator[Leg]:
-    """In their order, those of the groups too."""
+    """Yield all legs in order, those of groups too."""
     for node in body:
         if isinstance(node, Leg):
             yield node
@@ -262,8 +262,8 @@ def legs_of(body: Iterable[Node]) -> Iterator[Leg]:
 def aims_of(
     body: Iterable[Node], above: Aims, path: str = ""
 ) -> Iterator[tuple[str, Leg, dict[str, float]]]:
-    """Each leg with its path and what it is to achieve: what it says itself, else the groups
-    around it, the innermost first, else ``above``."""
+    """Yield each leg with its path and its aims: its own, else those of the groups around it, the
+    innermost first, else ``above``."""
     for node in body:
         if isinstance(node, Leg):
             yield path + node.name, node, dict(above) | dict(node.achieve)
@@ -274,7 +274,7 @@ def aims_of(
 
 @dataclass(frozen=True, slots=True)
 class Safety:
-    """What the mission itself allows; None: the vehicle's hard limit alone."""
+    """The mission's own limits; None: only the vehicle's hard limit."""
 
     radius: float | None = None  # m from home
     time: float | None = None  # s autonomous
@@ -284,7 +284,7 @@ class Safety:
 
 @dataclass(frozen=True, slots=True)
 class Area:
-    """What a mission keeps in, or out of (``out``): a polygon. It counts between two depths, m."""
+    """A polygon that a mission stays in, or out of (``out``). It counts between two depths, m."""
 
     name: str
     out: bool
@@ -298,8 +298,8 @@ class Area:
         return self.bottom < math.inf
 
     def counts_at(self, depth: float | None) -> bool:
-        """An unknown depth may be any; one that is less than 0 is a sensor's word for the
-        surface."""
+        """Whether it counts at a depth. An unknown depth may be any; one of less than 0 is how a
+        sensor reports the surface."""
         return depth is None or self.top <= max(depth, 0.0) <= self.bottom
 
     def counts_between(self, shallow: float, deep: float) -> bool:
@@ -315,7 +315,7 @@ START_WITHIN = 25.0  # m from home, unless the mission assumes another start
 
 @dataclass(frozen=True, slots=True)
 class Mission:
-    """What both texts say; comments are gone, parameters resolved."""
+    """A mission as read from either text, without comments and with parameters resolved."""
 
     name: str
     vehicle: str
@@ -332,15 +332,14 @@ class Mission:
     areas: tuple[Area, ...] = ()
 
     def start_within(self, sigma: float) -> float:
-        """m from home: where it is started at most, as the check assumes and the start demands; no
-        nearer than fixes of one ``sigma`` (m) can tell."""
+        """m from home: the greatest distance at the start, as the check assumes and the start
+        requires. It is not less than fixes of one ``sigma`` (m) can resolve."""
         return max(dict(self.assume).get("start", START_WITHIN), 2.0 * sigma)
 
     def floor(self, allowed: float) -> float:
-        """m: the deepest sea floor that it assumes; ``allowed`` is the depth allowed, which stands
-        in where it says nothing of it."""
+        """m: the deepest sea floor that it assumes, else ``allowed``, the depth that is allowed."""
         return dict(self.assume).get("floor", allowed)
 
     def current(self, usual: float) -> float:
-        """m/s: the greatest current that it assumes; ``usual`` where it says nothing of it."""
+        """m/s: the greatest current that it assumes, else ``usual``."""
         return dict(self.assume).get("current", usual)

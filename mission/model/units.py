@@ -1,7 +1,7 @@
 """Units a text may write, the SI unit each stands for, and numbers as texts write them.
 
-One table for missions and vehicle files. Conversions are exact to the last bit (0.57 is what 57 %
-reads as), so that a text made from a value reads back as the same value.
+One table serves missions and vehicle files. Conversions are exact to the last bit (57 % reads as
+0.57), so that a text made from a value reads back as the same value.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from types import MappingProxyType
 
-GEARS = 12  # full thrust, in the gears of missions and vehicle files; a Setpoint has shares of it
+GEARS = 12  # full thrust, as a gear of missions and vehicle files; a Setpoint has shares of it
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,7 +46,7 @@ _ROWS = (
 )
 UNITS: Mapping[str, Unit] = MappingProxyType({row.name: row for row in _ROWS})
 
-# Binary fractions are not what a text says: 0.01 is meant as 1/100. Angles have no such fraction.
+# A text means decimal fractions, not binary ones: 0.01 is 1/100. Angles have no such fraction.
 _EXACT = {
     row.name: Fraction(row.factor).limit_denominator(10**6) for row in _ROWS if row.si != "rad"
 }
@@ -60,9 +60,9 @@ class UnitError(ValueError):
 
 
 def quantity(text: str | float, default: str) -> float:
-    """The value of ``text`` in SI; a bare number is in the unit ``default``.
+    """Return the value of ``text`` in SI; a bare number is in the unit ``default``.
 
-    Raises UnitError, saying what was written and which units fit.
+    Raises UnitError, which says what was written and which units fit.
     """
     if isinstance(text, bool) or not isinstance(text, str | int | float):
         raise UnitError(f"{text!r} is not a number")
@@ -88,7 +88,7 @@ def _scaled(number: str, unit: Unit) -> float:
 
 
 def range_text(low: float, high: float, unit: str, above: bool = False) -> str:
-    """``low``..``high`` in words; ``above``: low itself is out."""
+    """``low``..``high`` in words; ``above``: low itself is excluded."""
     least = f"more than {number_text(low)}" if above else f"{number_text(low)} or more"
     return f"{least}, up to {number_text(high)}{f' {unit}' if unit else ''}"
 

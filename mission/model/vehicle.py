@@ -1,6 +1,6 @@
-"""The vehicle file: limits, rates, calibration, dialect, and what the vehicle can tell and do.
+"""The vehicle file: limits, rates, calibration, dialect, and what the vehicle reports and can do.
 
-    VehicleError      (the author of the vehicle file must act; says key and what instead)
+    VehicleError      (the author of the vehicle file must act; says the key and what to write)
 
 What does not live here: how the file is read and the range of each number (vehicle_file), frames
 and dialects themselves (protocol.vehicles).
@@ -17,8 +17,8 @@ from mission.model.diagnostics import Diagnosed
 from mission.model.plain import UNSAID
 from mission.model.units import GEARS
 
-TIDE = 12.0 * 3600.0  # s, how slowly currents change
-# What a vehicle can report, and the axes it can follow, at all: the keys of those two tables.
+TIDE = 12.0 * 3600.0  # s, correlation time of a current
+# All that a vehicle can report, and (FOLLOWS) all axes that it can control: keys of these tables.
 REPORTS = frozenset(
     {
         "depth",
@@ -31,7 +31,7 @@ REPORTS = frozenset(
         "position",
     }
 )
-SAMPLED = 0.9  # s between two samples at least: a fast board says many times what its sensor said
+SAMPLED = 0.9  # s between two samples at least: a fast board repeats each value of its sensor
 STALE_AFTER = 6.0  # s: three reports missed (design: readings are three-valued)
 FOLLOWS = frozenset({"surge", "turn", "heave", "heading", "depth", "altitude", "attitude"})
 
@@ -52,7 +52,7 @@ class HardLimits:
 
 @dataclass(frozen=True, slots=True)
 class Curve:
-    """A piecewise linear table, held at its ends; ``x`` rises strictly, ``y`` does not fall."""
+    """A piecewise linear table, constant beyond its ends; ``x`` rises, ``y`` does not fall."""
 
     x: tuple[float, ...]
     y: tuple[float, ...]
@@ -67,7 +67,7 @@ class Curve:
         return self.y[i - 1] + share * (self.y[i] - self.y[i - 1])
 
     def inverse(self, y: float) -> float:
-        """The smallest x that reaches y (held at the ends)."""
+        """Return the smallest x that reaches y (constant beyond the ends)."""
         for i in range(1, len(self.x)):
             if self.y[i] >= y > self.y[i - 1]:
                 share = (y - self.y[i - 1]) / (self.y[i] - self.y[i - 1])
@@ -114,11 +114,11 @@ class Deviation:
 
 @dataclass(frozen=True, slots=True)
 class Calibration:
-    """How the vehicle moves and errs, beside the planning figures; what `calibrate` writes.
+    """How the vehicle moves and errs, besides the planning figures; `calibrate` writes this.
 
-    ``current`` is what earlier dives found in these waters (north, east), ``current_sigma`` how
-    far it is from that on another day; None: the vehicle's planning figure. ``turn_loss`` is the
-    share of the speed lost, ``turn_slip`` the share of it that goes outward, per rad/s of turn.
+    ``current`` is what earlier dives found in these waters (north, east), m/s. ``current_sigma`` is
+    how far it is from that on another day; None: the vehicle's planning figure. ``turn_loss`` is
+    the share of the speed lost, ``turn_slip`` the share that goes outward, per rad/s of turn.
     """
 
     speed_scale: float = 1.0  # on speed_by_gear
@@ -127,30 +127,30 @@ class Calibration:
     speed_time: float = 30.0  # s, how slow
     surge_length: float = 2.0  # m: mass over drag
     turn_slip: float = 0.0  # s
-    turn_slip_time: float = 6.0  # s, until the slip has come to it, and is gone again
-    sway_noise: float = 0.03  # share of the speed, quick, to either side
+    turn_slip_time: float = 6.0  # s, in which the slip builds up, and fades again
+    sway_noise: float = 0.03  # share of the speed, fast, to either side
     turn_loss: float = 0.0  # s
     deviation: Deviation = Deviation()
-    deviation_sigma: float = math.radians(2.0)  # of what the harmonics leave
+    deviation_sigma: float = math.radians(2.0)  # of the rest beyond the harmonics
     compass_wander: float = math.radians(1.0)  # comes and goes within compass_wander_time
     compass_wander_time: float = 300.0  # s
     current: tuple[float, float] = (0.0, 0.0)
     current_sigma: float | None = None
-    current_time: float = TIDE  # s, how slowly it changes for the time after a fix
-    current_time_for: float = 0.0  # s; later than that it is 12 h, the pace of a tide
+    current_time: float = TIDE  # s, its correlation time for the time after a fix
+    current_time_for: float = 0.0  # s, that time; later it is 12 h, the pace of a tide
     surface_drift: float = 0.03  # m/s per axis, by wind and waves
     fix_velocity: float = 0.1  # m/s per axis, of a receiver's speed and course
 
 
 @dataclass(frozen=True, slots=True)
 class Output:
-    """Something beside the motion that legs and operators set, in ``unit``, by its ``name``.
+    """Something besides the motion that legs and operators set, in ``unit``, by its ``name``.
 
-    ``safe``: from the start on, in every emergency, and when the mission that held it is over.
+    ``safe``: its value from the start, in every emergency, and after the mission that held it.
     ``needed``: what it would take away, so that no mission may set it ("": nothing).
-    ``excludes``: axes of a setpoint that leave it at rest. ``choices``: the values it can have,
-    where not all can be had. ``irreversible``: for operators alone,
-    and no emergency touches it, unless ``ascent`` is what an ascent that gains nothing makes it.
+    ``excludes``: axes of a setpoint beside which it stays at rest. ``choices``: its possible
+    values, if not all between the bounds are. ``irreversible``: only operators may set it, and no
+    emergency does; but an ascent that gains nothing sets it to ``ascent``, if given.
     """
 
     name: str
@@ -167,7 +167,7 @@ class Output:
     choices: tuple[float, ...] = ()
 
     def fault(self, value: float) -> str:
-        """Why it cannot be that, "" if it can."""
+        """Return why it cannot have this value, "" if it can."""
         said = f"{self.name} {value:.9g}"
         if not self.low <= value <= self.high:
             return f"{said} is outside {self.low:.9g} to {self.high:.9g} {self.unit}".rstrip()
@@ -180,8 +180,8 @@ class Output:
 
 @dataclass(frozen=True, slots=True)
 class AxisLoop:
-    """A loop that the Pi closes: effort (a share of the full one) by error, rate and what has added
-    up; ``trim`` holds it where nothing else does. Of a depth by m and m/s, of a heading by rad."""
+    """A control loop on the Pi: the effort (share of full) by error, rate and integral, plus the
+    constant ``trim``. Errors and rates: m and m/s for depth, rad and rad/s for heading."""
 
     gain: float
     rate: float
@@ -193,7 +193,7 @@ class AxisLoop:
 
 @dataclass(frozen=True, slots=True)
 class Beacon:
-    """An acoustic one whose place is known: rad, m; ``sound``: m/s, from it to the vehicle."""
+    """An acoustic beacon at a known place: rad, m. ``sound``: speed of sound from it, m/s."""
 
     latitude: float
     longitude: float
@@ -202,12 +202,12 @@ class Beacon:
 
 
 CLOSED = ("depth", "heading")  # the axes of an outer loop
-CLOSED_S = 0.5  # an older report of one, and the Pi says neutral (R17)
+CLOSED_S = 0.5  # s: if the report of one is older, the Pi sends neutral (R17)
 
 
 @dataclass(frozen=True, slots=True)
 class OuterLoop:
-    """For a board that takes efforts alone. ``confirmed``: the day (YYYY-MM-DD) on which somebody
+    """For a board that takes only efforts. ``confirmed``: the day (YYYY-MM-DD) on which somebody
     saw that axes and signs are as we read them; "": nobody has, and nothing is held."""
 
     depth: AxisLoop
@@ -242,12 +242,12 @@ class Vehicle:
     ascent_measured: str = ""  # YYYY-MM-DD of the float test; "": ascent_buoyancy is planned
     stale_after: float = STALE_AFTER  # s: an older report is not believed
     glides: bool = False  # no thruster: moves forward by sinking and rising
-    drives: bool = False  # on the ground: it is at the surface wherever it is
+    drives: bool = False  # on the ground: it always counts as at the surface
     wire: Mapping[str, str] = field(default_factory=dict)  # what its document leaves open
-    outer_loop: OuterLoop | None = None  # what holds depth and heading, where the board does not
+    outer_loop: OuterLoop | None = None  # holds depth and heading if the board does not
     outputs: tuple[Output, ...] = ()
     readings: Mapping[str, str] = field(default_factory=dict)  # guards' names -> sources
-    added: Mapping[str, float] = field(  # one sigma of sensors that were added, by kind
+    added: Mapping[str, float] = field(  # one sigma of added sensors, by kind
         default_factory=dict, metadata=UNSAID
     )
     beacons: Mapping[str, Beacon] = field(default_factory=dict, metadata=UNSAID)  # by number
@@ -257,7 +257,7 @@ class Vehicle:
 
     @property
     def safe_levels(self) -> Mapping[str, float]:
-        """What every output is while nobody has set it, by its channel."""
+        """The value of every output that nobody has set, by channel."""
         return {output.channel: output.safe for output in self.outputs}
 
     def gear_near(self, speed: float) -> int:
@@ -269,5 +269,5 @@ class Vehicle:
     def speaks(
         self,
     ) -> tuple[str, str, Mapping[str, str], tuple[float, float], Mapping[str, str]]:
-        """What ``protocol.vehicles.codec`` makes its codec from."""
+        """The arguments from which ``protocol.vehicles.codec`` makes the codec."""
         return self.codec, self.dialect, self.tolerances, self.battery_scale, self.wire

@@ -1,8 +1,8 @@
-"""The text of a vehicle file -> Vehicle; every number has its range, and all mistakes are told.
+"""The text of a vehicle file -> Vehicle. Every number has a range, and all errors are reported.
 
-A key that nobody knows is refused: a misspelt ``depth`` under ``reports`` would disarm the limits
-of depth without a word. So is a number that no vehicle has: a rise of 0 would make every bound of
-the check infinite, or none.
+An unknown key is refused: a misspelt ``depth`` under ``reports`` would silently disable the limits
+of depth. A number that no vehicle has is refused, too: a rise of 0 would make every bound of the
+check infinite, or none.
 
 What does not live here: what a Vehicle is (vehicle), frames and dialects (protocol.vehicles).
 """
@@ -56,7 +56,7 @@ _FREE = ("tolerances", "wire", "outputs", "readings", "beacons", *_GEARS)  # tab
 
 
 def _known() -> Mapping[str, frozenset[str]]:
-    """The keys that each table may have."""
+    """Return the keys that each table may have."""
     leaves = [*RANGES, *_FLAGS, *_TEXTS, *_FREE]
     leaves += [f"reports.{name}" for name in REPORTS] + [f"follows.{name}" for name in FOLLOWS]
     tables: dict[str, set[str]] = {"": set()}
@@ -81,11 +81,11 @@ _MAY_LACK = (
     "calibration",
     "added",
     "beacons",
-)  # and what is below
+)  # and the keys below them
 
 
 def read_vehicle(text: str, where: str) -> Vehicle:
-    """Raises VehicleError with everything that is wrong, by lines."""
+    """Read a vehicle file. Raises VehicleError with all errors, by lines."""
     found = Diagnostics(Stage.VEHICLE, text, where, VehicleError)
     if len(text) > LONGEST:
         message = f"more than {LONGEST:,} characters, which no vehicle file has"
@@ -113,8 +113,8 @@ def read_vehicle(text: str, where: str) -> Vehicle:
 
 
 class _File:
-    """The values of the file by their dotted keys. What is wrong is noted, and a value stands in
-    for it, so that reading goes on."""
+    """The values of the file by their dotted keys. An error is noted and a value is put in its
+    place, so that reading continues."""
 
     def __init__(self, found: Diagnostics, root: Node) -> None:
         self._found = found
@@ -123,14 +123,14 @@ class _File:
         self._take("", root)
 
     def complain(self) -> None:
-        """Raises VehicleError if there is anything to complain about."""
+        """Raise VehicleError if there are errors."""
         for pair in TOGETHER:
             self._together(pair)
         self._spoken()
         self._found.complain()
 
     def _spoken(self) -> None:
-        """The codec itself says whether there is such a one, with such a dialect."""
+        """Ask the codec whether it exists, with this dialect, these tolerances and this wire."""
         if "codec" in self._leaves and "dialect" in self._leaves:
             said = (self.text("codec"), self.text("dialect"))
             try:
@@ -167,7 +167,7 @@ class _File:
         return frozenset(key.partition(".")[2] for key in self._below(table) if self.flag(key))
 
     def number(self, key: str, default: float = math.nan) -> float:
-        """In SI; NaN where it is none, or out of its range."""
+        """Return a number in SI, ``default`` if missing; NaN if it is none, or out of range."""
         node = self._leaves.get(key)
         if node is not None:
             return self._value(key, RANGES[key], node)
@@ -176,22 +176,22 @@ class _File:
         return default
 
     def number_in(self, key: str, wanted: Range, default: float) -> float:
-        """Of a table whose keys are the file's own."""
+        """The same for a table whose keys are the file's own."""
         node = self._leaves.get(key)
         return default if node is None else self._value(key, wanted, node)
 
     def names(self, table: str) -> list[str]:
-        """Of what stands directly in it, in the order of the file."""
+        """Return the names directly in a table, in the order of the file."""
         inner = (key.removeprefix(f"{table}.").partition(".")[0] for key in self._below(table))
         return list(dict.fromkeys(inner))
 
     def refuse(self, key: str, message: str, hint: str) -> None:
-        """``key``: a leaf, or a table that has one."""
+        """Note an error at ``key``: a leaf, or a table that has one."""
         node = self._leaves.get(key) or self._leaves[self._below(key)[0]]
         self._says(key, "output", message, node, hint)
 
     def curve(self, table: str) -> Curve:
-        """By gear, from a standstill on."""
+        """Return a table by gear, from gear 0 on."""
         keys = self._below(table)
         gears = [self._value(key, GEAR, self._gear_node(key)) for key in keys]
         figures = [self._value(key, RANGES[table], self._leaves[key]) for key in keys]
@@ -330,7 +330,7 @@ def _all(file: _File, table: str, kind: type[Any]) -> dict[str, float]:
 
 
 def _buoyancy(file: _File) -> float:
-    """What drives is not asked whether it rises, but the check divides by the figure."""
+    """A vehicle that drives need not rise, but the check divides by the figure."""
     rate = file.number("ascent_buoyancy")
     if rate <= 0.0 and file.flag("drives"):
         message = "not above 0: a vehicle that drives is checked with it, too"
@@ -349,7 +349,7 @@ def _outer_loop(file: _File) -> OuterLoop | None:
 
 
 def _calibration(file: _File) -> Calibration:
-    """The optional section; what it leaves out keeps the default."""
+    """Read the optional section; a missing key has its default."""
     default = Calibration()
     given: dict[str, Any] = {
         f.name: file.number(f"calibration.{f.name}", getattr(default, f.name))

@@ -3,9 +3,9 @@
     outputs:  {lamp: {channel: led_pct, high: 80, safe: 0}}
     readings: {metal: metal_pct}
 
-Bounds lie within the channel's; ``safe`` is what it is in every emergency and from the start on,
-the channel's own rest unless said. What does not live here: YAML (vehicle_file), what is set when
-(mission.engine.outputs).
+Bounds lie within those of the channel. ``safe`` is the value from the start and in every emergency;
+by default it is the channel's own at rest. What does not live here: YAML (vehicle_file), when an
+output is set (mission.engine.outputs).
 """
 
 from __future__ import annotations
@@ -22,14 +22,14 @@ from protocol.topside_frames import OutputFrame
 from protocol.vehicles import vehicle_row
 from protocol.vehicles.channels import Channel
 
-OUTPUT = re.compile(r"outputs\.[^.]+")  # the table of one
+OUTPUT = re.compile(r"outputs\.[^.]+")  # the table of one output
 OUTPUT_KEYS = frozenset({"channel", "low", "high", "safe", "irreversible", "ascent"})
 _ANY = Range("", -1e6, 1e6)
 _NAME = "letters, digits and _, 24 at most, a letter first"
 
 
 class Tables(Protocol):
-    """What is asked of the file."""
+    """What these readers need of the file."""
 
     def names(self, table: str) -> list[str]: ...
 
@@ -80,7 +80,7 @@ def _output(file: Tables, name: str, channel: Channel, rest: float) -> Output:
 
 
 def _fault(output: Output, channel: Channel, board: VehicleCodec) -> str:
-    """Everything that is wrong with one, the first of it."""
+    """Return the first error of an output, "" if there is none."""
     if not OutputFrame.NAME.fullmatch(output.name):
         return f"{output.name:.40} is no name: {_NAME}"
     if math.isnan(output.safe):
@@ -105,7 +105,7 @@ def _fault(output: Output, channel: Channel, board: VehicleCodec) -> str:
 
 
 def read_readings(file: Tables, codec: str) -> Mapping[str, str]:
-    """Name of the file -> source."""
+    """Return the source of each name in the file."""
     sources = [source.name for source in vehicle_row(codec).sources]
     found = {name: file.text(f"readings.{name}") for name in file.names("readings")}
     for name, source in found.items():

@@ -1,4 +1,4 @@
-"""Every number of a vehicle file with its range, and pairs that must not contradict each other.
+"""The range of every number of a vehicle file, and pairs that must not contradict each other.
 
 What does not live here: how the file is read (vehicle_file).
 """
@@ -14,7 +14,7 @@ from mission.model.units import GEARS, quantity, range_text
 
 @dataclass(frozen=True, slots=True)
 class Range:
-    """``low``..``high`` in ``unit``; ``above``: low itself is out."""
+    """``low``..``high`` in ``unit``; ``above``: low itself is excluded."""
 
     unit: str
     low: float
@@ -22,7 +22,7 @@ class Range:
     above: bool = False
 
     def excludes(self, value: float) -> bool:
-        """``value`` in SI."""
+        """Whether ``value`` (SI) is out of range."""
         low, high = (quantity(bound, self.unit) for bound in (self.low, self.high))
         return not ((low < value if self.above else low <= value) and value <= high)
 
@@ -31,8 +31,8 @@ class Range:
         return range_text(self.low, self.high, self.unit, self.above)
 
 
-_DEEPEST = 990.0  # m: navigation believes 1000 m, and a limit acts beyond it
-_RISE = Range("m/s", 0.01, 1.0)  # faster, by what reports tell, is no body to navigation
+_DEEPEST = 990.0  # m: a limit acts beyond its depth, and navigation believes depths up to 1000 m
+_RISE = Range("m/s", 0.01, 1.0)  # navigation does not believe a depth that changes faster
 _SIGMA = Range("m", 0.001, 100)
 _ANGLE = Range("deg", 0, 90)
 _LAG = Range("s", 0, 600)
@@ -44,7 +44,7 @@ _POWER = Range("W", 0, 1e5)
 GEAR = Range("", 0, GEARS)
 _HARMONIC = Range("deg", -60, 60)
 
-# Every number of a vehicle file by its key, those of the calibration with all their words.
+# Every number of a vehicle file by its full, dotted key.
 RANGES: Mapping[str, Range] = MappingProxyType(
     {
         "limits.radius": Range("m", 1, 100_000),
@@ -119,7 +119,7 @@ RANGES: Mapping[str, Range] = MappingProxyType(
 
 @dataclass(frozen=True, slots=True)
 class Together:
-    """Two numbers of which the second must be above the first, or ``equal`` to it."""
+    """Two numbers: ``more`` must be above ``less``, or may be ``equal`` to it."""
 
     less: str
     more: str

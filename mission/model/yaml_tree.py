@@ -2,9 +2,9 @@
 
     YamlFault      (the author must act; line and column count from 1)
 
-``yaml.compose`` recurses, and hands over aliases that hold themselves or that are a gigabyte when
-written out. Here a node knows how large and how deep it is with its aliases written out, so that
-whoever walks the nodes ends soon and never runs out of stack.
+``yaml.compose`` recurses, and accepts aliases that contain themselves or that expand to a gigabyte.
+Here the size and depth of each node include its expanded aliases, and both are bounded. So a walk
+over the nodes ends soon, and never runs out of stack.
 
 What does not live here: what the nodes mean.
 """
@@ -29,21 +29,21 @@ from yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
 from mission.model.extent import DEEPEST_YAML, NODES, STATEMENT
 from mission.model.texts import Where
 
-_DEEPEST_PLACE = 2  # tables in each other whose keys have a place
+_DEEPEST_PLACE = 2  # levels of tables whose keys have a place
 _TOO_DEEP = f"nested too deep: {DEEPEST_YAML.exceeded}"
-_SCANNER_TOO_DEEP = "exceeded maximum nesting depth"  # libyaml reads ahead, and gives up by itself
+_SCANNER_TOO_DEEP = "exceeded maximum nesting depth"  # libyaml reads ahead, and stops by itself
 _Loader: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
 
 class YamlFault(ValueError):
-    """``code`` is yaml, too-long or too-deep; ``why`` has no place."""
+    """``code`` is yaml, too-long or too-deep; ``why`` is the message without the place."""
 
     def __init__(self, line: int, column: int, why: str, code: str = "yaml") -> None:
         super().__init__(f"{line}:{column}: {'not YAML: ' if code == 'yaml' else ''}{why}")
         self.line, self.column, self.why, self.code = line, column, why, code
 
     def said(self, what: str) -> tuple[str, Where, str, str]:
-        """Code, place, message and hint; ``what`` was read, for instance "the mission"."""
+        """Return code, place, message and hint; ``what`` was read, for instance "the mission"."""
         where = Where(self.line, self.column)
         if self.code == "yaml":
             message = f"this is no YAML: {self.why or 'it cannot be read'}"
@@ -56,7 +56,7 @@ class YamlFault(ValueError):
 
 @dataclass(slots=True)
 class _Branch:
-    """A node with what its aliases, written out, make of it; ``key`` waits for its value."""
+    """A node with its size and height, aliases expanded; ``key`` waits for its value."""
 
     node: Node
     anchor: str | None = None
@@ -71,7 +71,7 @@ class _Tree:
     root: Node | None = None
     size: int = 0
     open: list[_Branch] = field(default_factory=list)
-    anchors: dict[str, _Branch | None] = field(default_factory=dict)  # None: not whole yet
+    anchors: dict[str, _Branch | None] = field(default_factory=dict)  # None: not complete yet
 
     def take(self, event: Any) -> None:
         if isinstance(event, AliasEvent):
@@ -116,7 +116,7 @@ class _Tree:
         return _Branch(branch.node, None, branch.size, branch.height)
 
     def _add(self, branch: _Branch, event: Any) -> None:
-        """A node that is whole, to the one it stands in."""
+        """Add a complete node to the one that contains it."""
         if branch.anchor is not None:
             self.anchors[branch.anchor] = branch
         if len(self.open) + branch.height > DEEPEST_YAML.most + 1:
@@ -139,7 +139,7 @@ class _Tree:
 
 
 def tree(text: str) -> Node | None:
-    """The nodes of the only document; None where there is none. Raises YamlFault."""
+    """Return the root node of the only document, None if there is none. Raises YamlFault."""
     try:
         loader = _Loader(text)
         grown = _Tree(loader.resolve)
@@ -159,7 +159,7 @@ def tree(text: str) -> Node | None:
 
 
 def values(root: Node | None) -> Any:
-    """What ``yaml.safe_load`` makes of the nodes. Raises YamlFault."""
+    """Return what ``yaml.safe_load`` would make of the nodes. Raises YamlFault."""
     try:
         return None if root is None else SafeConstructor().construct_document(root)
     except yaml.MarkedYAMLError as error:
@@ -173,7 +173,7 @@ def values(root: Node | None) -> Any:
 def places(
     root: Node | None, above: tuple[str, ...] = ()
 ) -> dict[tuple[str, ...], tuple[Where, Where]]:
-    """Where each key of the tables stands, by itself and those above it, and where its value."""
+    """Return where each key of the tables stands, and where its value, by the path of keys."""
     found: dict[tuple[str, ...], tuple[Where, Where]] = {}
     for key, value in root.value if isinstance(root, MappingNode) else ():
         if isinstance(key, ScalarNode) and len(above) < _DEEPEST_PLACE:
@@ -184,7 +184,7 @@ def places(
 
 
 def where_of(node: Node) -> Where:
-    """The node's own text, up to the end of its first line."""
+    """Return the place of a scalar on one line; of any other node that of its first character."""
     start, end = node.start_mark, node.end_mark
     same_line = isinstance(node, ScalarNode) and start.line == end.line
     length = end.column - start.column if same_line else 1

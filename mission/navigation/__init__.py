@@ -1,10 +1,10 @@
-"""Where the vehicle is, and how sure that is: dead reckoning, fixes, and the health of sensors.
+"""The position estimate and its uncertainty: dead reckoning, fixes, and the health of sensors.
 
     Telemetry, Fix -> health (is each reading to be believed?) -> filter -> Estimate
 
-The only room that imports filterpy, of that what it uses alone (``kalman``); importing the package
-does not, building a Navigation does. Deterministic to the last bit: time is an input, there is no
-clock and no thread.
+This is the only package that imports filterpy, and only the part that it uses (``kalman``).
+Importing the package does not import filterpy; building a Navigation does. The results are
+deterministic to the last bit: time is an input, and there is no clock and no thread.
 
 What does not live here: what the engine does about an invalid reading, guards, the wire.
 """

@@ -1,19 +1,22 @@
-"""Sensors that a user adds: which there are, and when one is not believed.
+"""Sensors that a user adds: the table of kinds, and when a sensor is not believed.
 
     water    speed ahead through the water        scale u + deviation
     ground   ahead and to starboard over ground   the same and the current, turned into the hull
-    place    where it is, from outside            north, east
-    range    the way to a beacon                  its length, from where the filter believes to be
+    place    position, from outside               north, east
+    range    distance to a beacon                 its length, from the estimated position
 
-A value is used if four of the five before it were off by as much, and if it is within the 99.9 %
-bound of its normalised innovation squared: an outlier is neither. The way back of an honest sensor
-that the filter would not believe: ``opens`` values in a row beyond the bound, all off by as much
-and not all the same to the last bit, widen what they speak of. The speed through the water opens
-nothing: what it would tell fades within half a minute by itself. What says the same to the last bit
-(a speed: while the vehicle's way has changed) is frozen, and counts for nothing; a speed so, too,
-that first came while it gathered way or turned, or that is the first of all.
+- Outliers: a value is used if four of the five values before it had the same innovation, and if its
+  normalised innovation squared is within the 99.9 % bound.
+- Gate: ``opens`` values in a row beyond the bound, all with the same innovation and not all equal
+  to the last bit, widen the states that they measure. So a good sensor that the filter refused is
+  believed again. The speed through the water never opens the gate: what it would teach fades within
+  half a minute by itself.
+- Frozen: values that are equal to the last bit count for nothing. A speed is frozen once the
+  vehicle's own speed or heading has changed since; also if it first came while the vehicle gathered
+  way or turned, or if it is the first of all.
 
-What does not live here: bytes (protocol.added), when it is used (reckoner), the equations (hull).
+What does not live here: bytes (protocol.added), when a value is used (reckoner), the equations
+(hull).
 """
 
 from __future__ import annotations
@@ -27,20 +30,22 @@ from typing import TYPE_CHECKING, NamedTuple
 from mission.navigation.items import Aiding
 from protocol.added import GROUND, PLACE, RANGE, WATER
 
-if TYPE_CHECKING:  # numpy takes its time, and who asks for the table needs none
+if TYPE_CHECKING:  # importing numpy is slow, and the table alone does not need it
     from mission.navigation.filter import Motion
 
-_SAME = 3  # times the same to the last bit
-_OTHER_SPEED, _OTHER_WAY = 0.1, 0.3  # m/s, rad: the vehicle moves otherwise than then
-_APART = 6.0  # sigmas between values that are off by as much
-_CONFIRM, _REMEMBERED = 4, 10  # of the last five; values
+_SAME = 3  # values in a row that are equal to the last bit
+_OTHER_SPEED, _OTHER_WAY = 0.1, 0.3  # m/s, rad: the vehicle's motion has changed by so much
+_APART = 6.0  # sigmas between innovations that count as the same
+_CONFIRM, _REMEMBERED = 4, 10  # of the five values before; innovations that are kept
 
 
 @dataclass(frozen=True, slots=True)
 class Added:
-    """``sigma``: one of each value, unless the vehicle file says so; ``opens``: so many in a row
-    that are beyond the gate and agree win against it (0: never); ``drift``: by how much more they
-    may come apart in a second."""
+    """One kind of added sensor.
+
+    ``sigma``: of each value, unless the vehicle file gives another. ``opens``: so many values in a
+    row that are beyond the gate and agree open it (0: never). ``drift``: by how much their
+    innovations may move apart per second, in ``unit``/s."""
 
     kind: str
     unit: str
@@ -64,9 +69,12 @@ ADDED: Mapping[str, Added] = MappingProxyType(
 
 
 class Seen(NamedTuple):
-    """What is remembered of one sensor: its last value, how often in a row it has come, and how the
-    vehicle moved when it first did; when and by how much the last ones were off; how many in a row
-    were beyond the gate; whether the last value is another than one before, of a steady course."""
+    """What is remembered of one sensor.
+
+    ``values``: its last value; ``same``: how often in a row it came; ``speed``, ``heading``: how
+    the vehicle moved when it first came. ``off``: times and innovations of the last values.
+    ``refused``: how many in a row were beyond the gate. ``lives``: the last value differs from the
+    one before it, and first came on a steady course."""
 
     values: tuple[float, ...] = ()
     same: int = 0
@@ -86,7 +94,7 @@ class Seen(NamedTuple):
         if self.same < _SAME:
             return False
         if kind in (PLACE, RANGE):
-            return True  # at rest, too: it drifts, and an honest one has its noise
+            return True  # at rest, too: the vehicle drifts, and a working sensor has noise
         turned = abs(math.remainder(run.heading - self.heading, 2.0 * math.pi)) > _OTHER_WAY
         return turned or abs(run.expected - self.speed) > _OTHER_SPEED or not self.lives
 
@@ -97,8 +105,9 @@ class Seen(NamedTuple):
         return sum(self._agree(a, self.off[-6:-1])) >= _CONFIRM
 
     def insists(self, a: Aiding) -> bool:
-        """What says the same to the last bit all the time does not: where it froze the vehicle may
-        have moved as it moves now, or have been heard for the first time since."""
+        """Whether the refused values open the gate. Values that are all equal to the last bit do
+        not: the sensor may have frozen while the vehicle moved as it does now, or may be received
+        for the first time since it froze."""
         most = ADDED[a.kind].opens
         insisted = self.same < most <= self.refused
         return insisted and all(self._agree(a, self.off[-most:]))
@@ -106,7 +115,7 @@ class Seen(NamedTuple):
     def _agree(
         self, a: Aiding, others: Iterable[tuple[float, tuple[float, ...]]]
     ) -> Iterator[bool]:
-        """Whether each of them was off by as much as the last one."""
+        """Yield for each of ``others`` whether its innovation is the same as the last one."""
         t, last = self.off[-1]
         for before, other in others:
             most = _APART * a.sigma + ADDED[a.kind].drift * (t - before)

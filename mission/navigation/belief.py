@@ -1,30 +1,38 @@
-"""Whether the depth agrees with what else is known of going up and down.
+"""Compare the depth with other evidence of vertical motion.
 
-A port that is clogged, a drift, an offset or a jump gives a depth that is fresh, in its range and
-never twice the same. What speaks against it, over the last ``WINDOW`` seconds:
+A clogged port, a drift, an offset or a jump gives a depth that is fresh, in range and never twice
+the same. The depth is contradicted by one of these over the last ``WINDOW`` seconds:
 
     stands    the verticals push (as reported, or by the set in force) and the depth does not move
-    altimeter the ground comes nearer, or goes, evenly, while the depth stands and nothing drives:
-              quickly within the window, or slowly in all the time since. Where depth and fixes
-              say that it floats, only what comes nearer quickly: it drifts over slopes
-    leaps     it is elsewhere at once, and stays there
-    rate      it moves faster than a body does
-    offset    fixes come as at the surface, nothing pushes down, and it is 0.8 m or more off 0, and
-              stands, or does not fall though the verticals push up; nor moves as a body does
+    altimeter the altitude changes evenly while the depth stands and no main thruster is on: quickly
+              within the window, or slowly in all the time since. Where depth and fixes show that
+              the vehicle floats, only an altitude that falls quickly counts: it drifts over slopes
+    leaps     the depth jumps, and stays at the new value
+    rate      the depth changes faster than any vehicle moves
+    offset    fixes come as at the surface, nothing pushes down, and the depth is 0.8 m or more off
+              0. It also stands, or does not fall though the verticals push up; and it does not move
+              as a vehicle does
 
-What explains a depth that stands is no contradiction: the ground under the vehicle, the surface
-above it. Fixes do not: under water a receiver may make them up. A depth that was contradicted is
-believed again once it has moved the way the vehicle is moved, or shows the surface for ``AGREES``
-seconds of fixes. After a leap by the second alone, for it moves as it should: its change can be
-believed again by then, but not where its zero is. After an offset by movement, too, if fixes have
-come all that time: nothing rises by metres at the surface, so it was the receiver; or have ended:
-it is under water, and as deep as it says but for the offset. A depth that stood under a push
-upward is an offset where fixes come; where none do the vehicle is under water, and as heavy as
-its thrusters can just hold, or the port is clogged: movement tells.
-Either way it must have moved: of a clogged port 0.1 m is no proof of the surface.
+The ground under the vehicle and the surface above it explain a depth that stands, so that is no
+contradiction. Fixes do not explain it: under water a receiver may make them up.
+
+A contradicted depth is believed again in one of two ways. Either way it must have moved: 0.1 m on a
+clogged port is no proof of the surface.
+
+    movement  it has moved the way the verticals move the vehicle
+    surface   it shows the surface through ``AGREES`` seconds of fixes
+
+- After a leap or a rate: by the surface only. Such a depth moves as it should, so movement proves
+  its changes but not its zero.
+- After an offset: by movement, too, if fixes have come all that time (nothing rises by metres at
+  the surface, so the receiver was wrong), or once they have ended (the vehicle is under water, and
+  as deep as reported but for the offset).
+- After it stood under a push upward: where fixes come, as after an offset while they come. Without
+  fixes, either way: the vehicle is under water and as heavy as its thrusters can just hold, or the
+  port is clogged, and movement tells which.
 
 What does not live here: a sensor by itself (health), what follows (engine, limits). What cannot
-be seen this way: docs/navigation.md.
+be detected this way: docs/navigation.md.
 """
 
 from __future__ import annotations
@@ -38,31 +46,31 @@ from mission.model.copies import copied
 from mission.navigation.fixes import FIX_DEPTH, Receiver
 
 WINDOW = 14.0  # s: eight reports of the AUV
-STANDS = 0.4  # m between the means of the window's two halves, 8 s apart
+STANDS = 0.4  # m between the means of the window's halves: 7 s apart, or 8 s by reports of 2 s
 AGREES = 10.0  # s of fixes as at the surface that make a shallow depth believed again
-_OFFSET_TIME = 30.0  # s of such fixes that contradict a depth
-_LIFTED = 8.0  # s of push upward meanwhile: then it need not even stand
-_PUSHES, _HARD = 0.55, 0.75  # share of full thrust: short of what is asked, and in any case
-_SHORT = 0.5  # m short of what is asked that must move a vehicle whose verticals so report
-_UNREPORTED = 1.0  # m, where they do not report: a hold may be so far off for ever
-_NEUTRAL, _STILL = 0.1, 0.1  # share of full thrust, vertical and ahead
-_GROUND, _LIES = 1.0, 60.0  # m of altitude, s since it was heard: it may lie on the ground
-_UNEVEN = 0.7  # m that such a ground may differ: one that sinks with the vehicle is none
-_FIXES_GO = 3.0  # s without one: the antenna is under water
-_HAD = 60.0  # s ago at most, that there were some
-_BODY = 1.25  # m/s: no body is faster up or down
+_OFFSET_TIME = 30.0  # s of such fixes that contradict a depth off 0
+_LIFTED = 8.0  # s of push upward in that time: then the depth need not stand
+_PUSHES, _HARD = 0.55, 0.75  # share of full thrust that is a push: if short of the depth; always
+_SHORT = 0.5  # m short of the depth asked for, where the verticals report their thrust
+_UNREPORTED = 1.0  # m short, where they do not report: a depth hold may stay that far off
+_NEUTRAL, _STILL = 0.1, 0.1  # share of full thrust that counts as off: verticals, mains
+_GROUND, _LIES = 1.0, 60.0  # m of altitude within the last s: the vehicle may lie on the ground
+_UNEVEN = 0.7  # m by which depth + altitude may differ then: no ground sinks with the vehicle
+_FIXES_GO = 3.0  # s without a new place: the antenna is under water
+_HAD = 60.0  # s without a new place at most, for fixes to count as ended just now
+_BODY = 1.25  # m/s: no vehicle is faster up or down
 _CLOSING = 1.7  # m between the halves: 1 m, and a slope of 30 % under a drift of 0.3 m/s
-_SLOWLY = 3.0  # m in any time, while nothing drives: a drift of 0.2 m/s over a slope of 15 m
-_DRIFT = 0.02  # m/s behind a minute: a drift of 0.4 m/s over a slope of 5 %
-_EVENLY = 1.0, 0.4  # m/s and m: what is more at once is a step of the ground ...
-_ALL_ALONG = 1.5  # ... or what is less in the halves: an even way is 2 of theirs, a step is 1
+_SLOWLY = 3.0  # m in any time, while no main is on: a drift of 0.2 m/s over a slope of 15 m
+_DRIFT = 0.02  # m/s more after a minute: a drift of 0.4 m/s over a slope of 5 %
+_EVENLY = 1.0, 0.4  # m/s and m: a larger change between two reports is a step of the ground
+_ALL_ALONG = 1.5  # change over the window by that of the halves: 2 if even, 1 if a step
 _AT_REST = 45.0  # s since the depth moved: a slow altimeter has followed by then
 _MOVED = 0.5  # m that a depth must have moved to be believed again
-_FOLLOWS = 1.0  # m between the halves that are the vehicle's own way ...
+_FOLLOWS = 1.0  # m between the halves that count as motion of the vehicle ...
 _SINKS = 2.0  # m ... or downward in any time, while nothing pushes and no fixes come
-_LATELY = 300.0  # s since the fixes ended: 2 m of what sinks by 1 cm/s
-_LAPSE = 3.5  # s since the report before: longer, and a stick may have had it meanwhile
-EVERY, GAP = 0.9, 6.5  # s: reports that are used, and the longest between two
+_LATELY = 300.0  # s since the fixes ended, at most: 1 cm/s makes 2 m in that time
+_LAPSE = 3.5  # s since the report before, at most: in a longer gap the stick may have driven
+EVERY, GAP = 0.9, 6.5  # s between two reports that are used: the least, the most
 
 UNPUSHED = Vertical(None, None)
 
@@ -74,31 +82,33 @@ class _Sample(NamedTuple):
 
 
 class DepthBelief:
-    """``reason`` is why the depth is contradicted, "" while it is not. ``follows``: while it is, it
-    has moved as the vehicle does, so that it is off and not clogged."""
+    """Whether the depth is contradicted by the reports so far.
+
+    ``reason`` says why ("" while it is not). ``follows``: the contradicted depth has moved as the
+    vehicle does, so its sensor has an offset and is not clogged."""
 
     def __init__(self) -> None:
         self.reason, self.follows = "", False
-        self._moves = False  # movement alone may clear it
-        self._by_fixes = False  # it is the fixes that speak against it ...
-        self._is_offset = False  # ... and they alone
+        self._moves = False  # movement alone may end the contradiction
+        self._by_fixes = False  # the fixes contradict the depth ...
+        self._is_offset = False  # ... and nothing else does
         self._samples: tuple[_Sample, ...] = ()
-        self._way, self._pushed_at = 0, -math.inf  # of a push that should move it, down positive
-        self._lapsed_at = -math.inf  # by one report nothing pushed, and it did before
-        self._calm_at = self._still_at = math.inf  # since when nothing pushes down; drives
+        self._way, self._pushed_at = 0, -math.inf  # the push that should move it (1 down), and when
+        self._lapsed_at = -math.inf  # of a report without push that did not end the push
+        self._calm_at = self._still_at = math.inf  # since when nothing pushes down; no main is on
         self._moved_at = self._grounded_at = -math.inf
-        self._heard_from = math.inf, -math.inf  # m: of the grounds that were as near as that
-        self._ground_from: tuple[float, float] | None = None  # s, m: of a ground that moves slowly
+        self._heard_from = math.inf, -math.inf  # m, depth + altitude of near grounds: least, most
+        self._ground_from: tuple[float, float] | None = None  # s, m: begin of a slow change
         self._doubted_at = -math.inf
-        self._low = self._high = math.nan  # of its means, since then
-        self._sinks_from = math.inf  # the least of them, since it may sink slowly
-        self._afloat, self._lifted = (math.inf, math.inf), 0.0  # since when, from what depth; s
+        self._low = self._high = math.nan  # least and greatest mean of the depth since then
+        self._sinks_from = math.inf  # the least mean since a slow descent may have begun
+        self._afloat, self._lifted = (math.inf, math.inf), 0.0  # afloat since s, at m; s of lift
 
     def clone(self) -> Self:
         return copied(self)
 
     def leap(self, t: float, by: float) -> None:
-        """The sensor has come back elsewhere, by so many metres: what leaps is not clogged."""
+        """Contradict a depth that has jumped by ``by`` metres and stays: it is not clogged."""
         self._contradict(t, f"it leapt by {by:.1f} m", moves=False)
         self._low, self._moves, self.follows = -math.inf, False, False
         self._sinks_from = math.inf
@@ -113,8 +123,8 @@ class DepthBelief:
         push: Vertical,
         receiver: Receiver,
     ) -> None:
-        """A report: metres, the greatest share of the main thrusters, what pushes, the receiver.
-        ``altitude`` is None where it says nothing new."""
+        """Take a report: ``depth`` and ``altitude`` in m (None: no new altitude), ``mains`` the
+        greatest share of full thrust of the main thrusters, ``push`` what moves it vertically."""
         samples = self._samples
         since = t - samples[-1].t if samples else math.inf
         if since < EVERY:
@@ -137,7 +147,7 @@ class DepthBelief:
         else:
             self._doubt(t, after, after - before, receiver)
             if self.reason:
-                self._low = self._high = after  # what it leaves at once it has moved from, too
+                self._low = self._high = after  # a change right after it counts as moved
 
     # --- what is going on ----------------------------------------------------------------------
 
@@ -158,7 +168,7 @@ class DepthBelief:
             at_ground = t - self._grounded_at <= _LIES
             if (at_ground and not gone) if way > 0 else depth < FIX_DEPTH:
                 way = 0
-        lapses = not way and self._way != 0 and t - self._lapsed_at > WINDOW  # one alone in it
+        lapses = not way and self._way != 0 and t - self._lapsed_at > WINDOW  # only one in it
         lapses = lapses and len(self._samples) > 1 and t - self._samples[-2].t <= _LAPSE
         self._lapsed_at = t if lapses else self._lapsed_at
         if way != self._way and not lapses:
@@ -169,8 +179,8 @@ class DepthBelief:
         self._still_at = math.inf if mains > _STILL else min(self._still_at, t)
 
     def _notice_ground(self, t: float, altitude: float) -> None:
-        """Of an altimeter that says so all the way down it is itself that it hears. Means, since
-        waves move the depth of what lies on the ground."""
+        """Note whether the vehicle may lie on the ground. An altimeter that reports so little all
+        the way down hears itself. Means, since waves move the depth of a vehicle on the ground."""
         if altitude > _GROUND:
             self._grounded_at, self._heard_from = -math.inf, (math.inf, -math.inf)
             return
@@ -178,7 +188,7 @@ class DepthBelief:
         half = len(samples) // 2
         before = _mean([s.depth for s in samples[:half]])
         after = _mean([s.depth for s in samples[half:]])
-        if abs(after - before) >= 2.0 * STANDS:  # it dives: no crawl, no wave, no noise
+        if abs(after - before) >= 2.0 * STANDS:  # a dive, not a crawl, waves or noise
             heard = [(s.depth, s.altitude) for s in samples if s.altitude is not None]
             ground = _mean([under + above for under, above in heard if above <= _GROUND])
             least, most = min(least, ground), max(most, ground)
@@ -186,8 +196,8 @@ class DepthBelief:
         self._grounded_at = t if most - least <= _UNEVEN else -math.inf
 
     def _push(self, depth: float, push: Vertical, gone: bool) -> int:
-        """1 down, -1 up; 0 where the depth may well stand. ``gone``: it says that it is at the
-        surface, and fixes have ended."""
+        """Return the way of a push that must move the depth: 1 down, -1 up, 0 if it may stand.
+        ``gone``: the depth reads as at the surface, and fixes have ended."""
         down, asked = push
         if down is not None and abs(down) >= _HARD:
             return 1 if down > 0.0 else -1
@@ -240,8 +250,8 @@ class DepthBelief:
             self._contradict(t, says, moves=True)
 
     def _is_off(self, t: float, depth: float, moved: float, receiver: Receiver) -> bool:
-        """Fixes as at the surface, nothing pushes down, and a depth that is not 0, nor falls. What
-        goes up or down as a body does is not there, whatever the receiver says."""
+        """Whether fixes come as at the surface, nothing pushes down, and the depth is not 0 and
+        does not fall. A vehicle that moves up or down is not at the surface, whatever the fixes."""
         floats = self._floats(t, moved, receiver)
         if not floats or depth < self._afloat[1] - STANDS:
             self._afloat, self._lifted = (t, depth if floats else math.inf), 0.0
@@ -249,7 +259,7 @@ class DepthBelief:
         self._lifted += (self._way < 0) * (t - self._samples[-2].t)
         lasts = t - self._afloat[0] >= _OFFSET_TIME
         stands = abs(moved) < STANDS or self._lifted >= _LIFTED
-        off = min(abs(depth), abs(depth - moved)) >= FIX_DEPTH  # in both halves, or noise says so
+        off = min(abs(depth), abs(depth - moved)) >= FIX_DEPTH  # in both halves, against noise
         return lasts and off and stands
 
     def _floats(self, t: float, moved: float, receiver: Receiver) -> bool:
@@ -257,7 +267,7 @@ class DepthBelief:
         return calm and receiver.settled(t) > 0.0 and not self._travels(moved)
 
     def _ground(self, t: float, afloat: bool) -> float:
-        """m by which the ground came nearer (negative: went) between the halves, evenly; 0: not."""
+        """Return by how many m the ground evenly came nearer (negative: receded); 0: it did not."""
         seen = [(s.t, s.altitude) for s in self._samples if s.altitude is not None]
         older = [a for at, a in seen if at < t - 0.5 * WINDOW]
         newer = [a for at, a in seen if at >= t - 0.5 * WINDOW]
@@ -276,8 +286,8 @@ class DepthBelief:
         return self._slowly(t, _mean(newer), afloat)
 
     def _slowly(self, t: float, altitude: float, afloat: bool) -> float:
-        """m by which the ground has come nearer since the depth stands and nothing drives, 0 where
-        it has not: 5 cm/s are 3 m in a minute. Not of what floats."""
+        """Return by how many m the ground came nearer since the depth stands and no main is on; 0
+        if by too little, or if the vehicle floats. 5 cm/s are 3 m in a minute."""
         begun = self._ground_from
         if afloat or begun is None or begun[0] < max(self._moved_at, self._still_at):
             self._ground_from = t, altitude
@@ -306,7 +316,7 @@ class DepthBelief:
             self.follows = False
         made_up = self._by_fixes and receiver.settled(t) >= WINDOW  # nothing rises at the surface
         quiet = receiver.no_news(t)
-        gone = self._is_offset and quiet is not None and quiet > _FIXES_GO  # it goes under, too
+        gone = self._is_offset and quiet is not None and quiet > _FIXES_GO  # it has gone under
         if self.follows and (self._moves or made_up or gone):
             self.reason = ""
         shallow = abs(mean) < FIX_DEPTH and self._high - self._low >= _MOVED
@@ -314,12 +324,12 @@ class DepthBelief:
             self.reason = ""
 
     def _moves_along(self, moved: float) -> bool:
-        """The way the verticals push, or either way where nothing does."""
+        """Whether it moves the way the verticals push, or either way where nothing pushes."""
         calm = self._way == 0 and self._calm_at <= self._samples[0].t
         return self._travels(moved) and (moved * self._way > 0.0 or calm)
 
     def _sinks(self, t: float, mean: float, moved: float, receiver: Receiver) -> bool:
-        """Slowly, as what is hardly too heavy does. A metre in the window is no slow way."""
+        """Whether it sinks slowly, as a vehicle that is hardly too heavy: under 1 m a window."""
         calm = self._way == 0 and self._calm_at < math.inf and abs(moved) < _FOLLOWS
         quiet = receiver.no_news(t)
         lately = quiet is None or quiet <= _LATELY  # later it may be on deck
@@ -328,7 +338,7 @@ class DepthBelief:
         return at_rest and mean - self._sinks_from >= _SINKS
 
     def _travels(self, moved: float) -> bool:
-        """As a body does: by a metre, and without a step that none makes."""
+        """Whether it moves as a vehicle does: by a metre, and without a step."""
         return abs(moved) >= _FOLLOWS and all(
             abs(b.depth - a.depth) <= _BODY * (b.t - a.t) + STANDS
             for a, b in itertools.pairwise(self._samples)
@@ -336,5 +346,5 @@ class DepthBelief:
 
 
 def _mean(values: list[float]) -> float:
-    """NaN of none."""
+    """The mean; NaN if there are no values."""
     return sum(values) / len(values) if values else math.nan

@@ -1,8 +1,8 @@
 """Magnetic declination: true heading = compass + declination - the compass's own error.
 
-The vehicle file may state it; otherwise the world magnetic model gives it from place and date
-(NOAA/BGS WMM 2010 to 2025, by pygeomag). It drifts by some 0.1 deg a year, so that a missing
-date costs less than the compass's own error.
+The vehicle file may state it. Otherwise the world magnetic model gives it from place and date
+(NOAA/BGS WMM 2010 to 2025, by pygeomag). It drifts by some 0.1 deg a year, so a missing date
+costs less than the compass's own error.
 """
 
 from __future__ import annotations
@@ -18,10 +18,10 @@ EPOCHS = 2010, 2015, 2020, 2025  # the years of the tables
 
 
 def declination(latitude: float, longitude: float, date: str | None = None) -> float:
-    """East positive, rad; ``date`` begins with YYYY-MM-DD (None or unreadable: 2026).
+    """Return the declination, rad, east positive; 0 if the model's table cannot be read.
 
-    Near a magnetic pole the figure means little; the filter's bias has to carry the rest, and does
-    where the model's table cannot be read: 0.
+    ``date`` begins with YYYY-MM-DD (None or unreadable: 2026). Near a magnetic pole the figure
+    means little. There, and without a table, the filter's compass error has to absorb the rest.
     """
     try:
         return of_model(latitude, longitude, decimal_year(date))
@@ -32,7 +32,7 @@ def declination(latitude: float, longitude: float, date: str | None = None) -> f
 @functools.lru_cache(maxsize=16)
 def of_model(latitude: float, longitude: float, date: float) -> float:
     year = min(max(date, _FIRST), _LAST - 0.01)
-    # a copy: it computes in place, and another thread may do so, too
+    # a copy: the model computes in place, and another thread may use it at the same time
     model = copy.deepcopy(table(int(_FIRST + 5 * ((year - _FIRST) // 5))))
     result = model.calculate(
         glat=math.degrees(latitude), glon=math.degrees(longitude), alt=0.0, time=year
@@ -42,11 +42,12 @@ def of_model(latitude: float, longitude: float, date: float) -> float:
 
 @functools.cache
 def table(epoch: int) -> Any:
-    """Read once; ``serve`` reads it ahead, in a thread that may wait. Raises OSError."""
+    """Read the table of an epoch, once. ``serve`` reads it in advance, in a thread that may wait.
+    Raises OSError."""
     from pygeomag import GeoMag
 
     made = GeoMag(coefficients_file=f"wmm/WMM_{epoch}.COF")
-    made.calculate(glat=0.0, glon=0.0, alt=0.0, time=float(epoch))  # reads its file
+    made.calculate(glat=0.0, glon=0.0, alt=0.0, time=float(epoch))  # this reads the file
     return made
 
 

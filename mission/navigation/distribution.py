@@ -1,4 +1,4 @@
-"""Shares of normal distributions: what ``sure 95%`` and the radius limit ask.
+"""Probabilities of normal distributions, for ``sure 95%`` and the radius limit.
 
 one variable      Phi((b - mu) / sigma)
 a distance        P(|x| <= r) for x ~ N(mu, P) in the plane: Phi across one principal axis,
@@ -13,12 +13,12 @@ import math
 
 Covariance = tuple[float, float, float]  # nn, ne, ee in m^2
 
-PLANE_95 = math.sqrt(-2.0 * math.log(0.05))  # sigmas: the radius that holds 95 % of a round plane
+PLANE_95 = math.sqrt(-2.0 * math.log(0.05))  # sigmas: holds 95 % of a circular distribution
 _EIGHT_SIGMA = 8.0
 
 
 def below(bound: float, mean: float, sigma: float) -> float:
-    """P(x <= bound). A sigma of 0 is a certainty."""
+    """P(x <= bound). With a sigma of 0 the mean is certain."""
     if sigma <= 0.0:
         return 1.0 if mean <= bound else 0.0
     return 0.5 * math.erfc((mean - bound) / (sigma * math.sqrt(2.0)))
@@ -36,26 +36,27 @@ def principal(covariance: Covariance) -> tuple[float, float, float]:
 
 
 def of_principal(great: float, small: float, direction: float) -> Covariance:
-    """The covariance that has these axes: what ``principal`` takes apart."""
+    """Return the covariance with these axes: the inverse of ``principal``."""
     c, s = math.cos(direction), math.sin(direction)
     nn, ee = (great * c) ** 2 + (small * s) ** 2, (great * s) ** 2 + (small * c) ** 2
     return nn, (great**2 - small**2) * c * s, ee
 
 
 def around_95(covariance: Covariance) -> float:
-    """m: the circle around the ellipse that holds 95 %, which is what ``uncertainty`` says."""
+    """Return the radius (m) of the circle around the 95 % ellipse: the variable ``uncertainty``."""
     return PLANE_95 * principal(covariance)[0]
 
 
 def radius_95(covariance: Covariance) -> float:
-    """m about the mean that hold 95 %: a cubic in the ratio of the axes, to 0.2 %."""
+    """Return the radius (m) about the mean that holds 95 %: a cubic in the ratio of the axes, exact
+    to 0.2 %."""
     great, small, _ = principal(covariance)
     q = small / great if great > 0.0 else 0.0
     return great * (1.9608 + q * (0.0041 + q * (0.1143 + q * 0.3716)))
 
 
 def along(covariance: Covariance, bearing: float) -> float:
-    """Sigma in one direction."""
+    """Return the sigma in direction ``bearing`` (rad from north)."""
     nn, ne, ee = covariance
     c, s = math.cos(bearing), math.sin(bearing)
     return math.sqrt(max(nn * c * c + 2.0 * ne * c * s + ee * s * s, 0.0))
@@ -96,7 +97,7 @@ def _integral(radius: float, u: float, v: float, great: float, small: float) -> 
 
 
 def _steep(radius: float, v: float, small: float) -> list[float]:
-    """Where the disc's edge passes the mean of the narrow axis: panels end around there."""
+    """Return the ends of panels: around where the disc's edge passes the narrow axis's mean."""
     if abs(v) >= radius:
         return []
     x = math.sqrt(radius * radius - v * v)

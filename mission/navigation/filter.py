@@ -1,12 +1,12 @@
 """The Kalman filter: dead reckoning by compass and thrusters, corrected by fixes and depth.
 
-filterpy's KalmanFilter, called so that it costs little more than its equations: the transition F
-and the noise Q are written in place (the Jacobian about the estimate), the state is set after
-``predict``, which makes it the extended filter to rounding; measurements are linear once angles
-are inputs; ``inv`` is the closed form. The update is the Joseph form (filterpy), so P stays
-symmetric and positive. States and figures: mission.navigation.model.
+This is filterpy's KalmanFilter, called so that it costs little more than its equations. The
+transition F (the Jacobian at the estimate) and the noise Q are written in place. The state is set
+after ``predict``, which makes it the extended filter, to rounding. Angles are inputs, so the
+measurements are linear. ``inv`` is the closed form. The update has the Joseph form (filterpy), so P
+stays symmetric and positive. States and figures: mission.navigation.model.
 
-What does not live here: which readings are believed, gates, lateness, frames.
+What does not live here: which readings are believed, gates, late input, frames.
 """
 
 from __future__ import annotations
@@ -43,10 +43,10 @@ from mission.navigation.model import (
 Array: TypeAlias = NDArray[np.float64]
 
 _UNKNOWN = 1e4  # m: no position, no depth yet
-_LOOSEST = 25.0  # times the variance before anything was heard (no position)
+_LOOSEST = 25.0  # times the variance before any input: the most that ``widen`` makes of it
 _TURN = 0.15  # rad between two reports: less is noise
 _STEP = 5.0  # s, the longest piece of a prediction
-_MOST = 720  # of them: an hour. Beyond, they are longer: nothing is known of the place any more
+_MOST = 720  # pieces: an hour. In a longer gap they are longer: the position is unknown by then
 _POSITION = np.eye(2, STATES)
 _DEPTH = np.zeros((1, STATES))
 _DEPTH[0, DEPTH] = 1.0
@@ -72,22 +72,21 @@ def _inverse(s: Array) -> Array:
 
 
 def _across(fig: Figures) -> float:
-    """Density (rad^2 s) of what pushes the vehicle across its heading."""
+    """Return the density (rad^2 s) of the noise across the heading: compass and sway."""
     return fig.heading**2 * fig.period + 2.0 * fig.sway.sigma**2 * fig.sway.time
 
 
 class Motion(NamedTuple):
-    """How the vehicle moves over a stretch of time, as far as it knows.
+    """How the vehicle moves over a stretch of time, as far as is known; m, s, rad.
 
-    ``heading`` is compass + declination (the compass's error is a state), ``expected`` the
-    thrusters' speed, ``along`` the share of the speed that makes way horizontally, ``sway`` the
-    slip to starboard as a share of the speed, ``lost`` the extra heading variance times its
-    correlation time (rad^2 s) while the compass cannot be believed, ``driven`` how much of the
-    speed's deviation there is (none at rest), ``turned`` the angle since the report before,
-    ``skid`` the variance (to any side) that a turn adds, per second and (m/s)^2, ``heave`` the way
-    ahead (m/s) that a pitched hull makes by sinking or rising otherwise than along its bow,
-    ``late`` that the last fix is longer ago than a current is known to be steady for, ``untold``
-    the variance (m^2/s, to any side) of way that no report tells.
+    ``heading``: compass + declination (the compass's error is a state). ``expected``: speed by the
+    thrusters. ``along``: share of the speed that moves it horizontally. ``sway``: slip to
+    starboard, share of the speed. ``lost``: extra heading variance times its correlation time
+    (rad^2 s) while the compass is not believed. ``driven``: share of the speed's deviation that
+    acts (none at rest). ``turned``: angle since the report before. ``skid``: variance (to any side)
+    that a turn adds, per second and (m/s)^2. ``heave``: speed ahead (m/s) that a pitched hull gains
+    when it sinks or rises other than along its bow. ``late``: the last fix is longer ago than the
+    current is known to be steady. ``untold``: variance (m^2/s, to any side) of unreported motion.
     """
 
     heading: float = 0.0
@@ -106,8 +105,9 @@ class Motion(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class _Steady:
-    """Of one length of step: how much of a current is kept, and for how long (s) what it began
-    with moves the vehicle; the wander's share of Q."""
+    """Values for one length of step. ``kept``: the share of a current that is left after it.
+    ``current``, ``drift``, ``deviation``: for how long (s) the value at its begin moves the
+    vehicle. ``wander``: the wander's share of Q."""
 
     dt: float = -1.0
     late: bool = False
@@ -154,24 +154,24 @@ class Filter:
         return p
 
     def save(self) -> tuple[Array, Array]:
-        """The arrays are replaced, never written to, by what follows."""
+        """State and covariance. Later steps replace these arrays and never write to them."""
         return self.kalman.x, self.kalman.P
 
     def told(self) -> tuple[list[float], list[float]]:
-        """The state, and what an estimate says of the covariance, in the order of ``_TOLD``."""
+        """The state, and the covariances that an estimate needs, in the order of ``_TOLD``."""
         return self.kalman.x.tolist(), self.kalman.P.take(_TOLD).tolist()
 
     def load(self, saved: tuple[Array, Array]) -> None:
         self.kalman.x, self.kalman.P = saved
 
     def load_vertical(self, saved: tuple[Array, Array]) -> None:
-        """Depth, its rate and the bottom as they were saved; nothing couples them to the rest."""
+        """Restore depth, its rate and the bottom alone; nothing couples them to the others."""
         x, p = self.kalman.x.copy(), self.kalman.P.copy()
         x[DEPTH:], p[DEPTH:, DEPTH:] = saved[0][DEPTH:], saved[1][DEPTH:, DEPTH:]
         self.kalman.x, self.kalman.P = x, p
 
     def trust(self, figures: Figures, share: float) -> None:
-        """Uses ``figures`` from now on, and takes all of them to be ``share`` times as
+        """Use ``figures`` from now on, and make all states but the vertical ones ``share`` times as
         uncertain."""
         self.figures, self._steady, self._wander = figures, _Steady(), _across(figures)
         p = self.kalman.P.copy()
@@ -193,7 +193,7 @@ class Filter:
         x[N], x[E], x[CN], x[CE] = moved
 
     def transition(self, dt: float, run: Motion) -> tuple[float, float, float, float]:
-        """Writes F and Q for ``dt``; position and current after it."""
+        """Write F and Q for ``dt``; return position and current after it."""
         fig, f, q = self.figures, self._f, self._q
         n, e, cn, ce, wn, we, scale, deviation, error, a, b, wander, _, _, _ = (
             self.kalman.x.tolist()
@@ -219,7 +219,7 @@ class Filter:
         f[N * STATES + SIN], f[E * STATES + SIN] = de * sm, -dn * sm
         f[N * STATES + COS], f[E * STATES + COS] = de * cm, -dn * cm
         f[N * STATES + WANDER], f[E * STATES + WANDER] = de, -dn
-        # pushed across the track by the compass's white noise, once per report, and by sway
+        # noise across the track: the compass's white noise, once per report, and the sway
         across = forward * forward * dt * (self._wander + 2.0 * run.lost)
         skid = (run.skid * speed * speed + run.untold) * dt
         q[N * STATES + N], q[E * STATES + E] = across * s * s + skid, across * c * c + skid
@@ -236,7 +236,7 @@ class Filter:
         )
 
     def _write_steady(self, dt: float, late: bool) -> _Steady:
-        """What in F and Q depends on ``dt`` and ``late`` alone."""
+        """Write the parts of F and Q that depend on ``dt`` and ``late`` alone."""
         fig, f, q = self.figures, self._f, self._q
         water = fig.current if late else fig.fresh
         for process, states in (
@@ -267,10 +267,10 @@ class Filter:
         )
 
     def _harmonics(self, run: Motion) -> float:
-        """What a turn makes of the deviation's second harmonic, half as large as the first.
+        """Return the variance (rad^2) that a turn adds for the deviation's second harmonic.
 
-        What it was before is not taken out but fades as the wander does: so this is its variance
-        times 1 - cos, not that of the difference, which is twice as much.
+        The harmonic's value before the turn is not removed but fades as the wander does. So this is
+        its variance times 1 - cos, not the variance of the difference, which is twice as much.
         """
         if abs(run.turned) < _TURN:
             return 0.0
@@ -279,7 +279,7 @@ class Filter:
     # --- measurements ------------------------------------------------------------------------
 
     def place(self, north: float, east: float, variance: float) -> None:
-        """Sets the position to one that is known, whatever was believed before."""
+        """Set the position to a known one, whatever was believed before."""
         x, p = self.kalman.x.copy(), self.kalman.P.copy()
         x[N], x[E] = north, east
         p[:2, :], p[:, :2] = 0.0, 0.0
@@ -293,7 +293,7 @@ class Filter:
         self.kalman.x = x
 
     def innovation(self, north: float, east: float, variance: float) -> tuple[float, float, float]:
-        """Of a position: north, east, and the normalised innovation squared."""
+        """Return the innovation of a position: north, east, and its normalised square."""
         x, p = self.kalman.x, self.kalman.P
         dn, de = north - float(x[N]), east - float(x[E])
         (a, b), (_, d) = p[:2, :2].tolist()
@@ -305,11 +305,11 @@ class Filter:
         self.kalman.update(np.array((north, east)), r, _POSITION)
 
     def widen(self, factor: float, *, still: bool) -> None:
-        """Multiplies the covariance of all that moves the position; correlations stay. Compass,
-        thrusters and water never get much less known than before anything was heard: at rest
-        nothing would ever bring them back, and a filter cannot compute with what they grow to. What
-        the vehicle file says is known for sure stays so. ``still``: nothing drove, so compass and
-        thrusters have moved nothing."""
+        """Multiply the covariance of all that moves the position; correlations stay. Compass,
+        thrusters and current never become much less known than before any input: at rest nothing
+        would bring them back, and the filter cannot compute with what they grow to. A state that
+        the vehicle file gives as certain stays so. ``still``: nothing drove, so compass and
+        thrusters have moved nothing, and do not grow."""
         p = self.kalman.P.copy()
         plane = p[:DEPTH, :DEPTH]
         known = plane.diagonal()
@@ -318,13 +318,13 @@ class Filter:
             room[SCALE:DEPTH] = 1.0
         if (room >= factor).all():
             plane *= factor
-        else:  # what is added is positive: a share of the widening for each state
+        else:  # each state has a share of the widening, so that the sum stays positive
             share = np.sqrt(np.clip((room - 1.0) / (factor - 1.0), 0.0, 1.0))
             plane += (factor - 1.0) * share[:, None] * plane * share
         self.kalman.P = p
 
     def loosen(self, variance: float) -> None:
-        """Adds to the variance of the position alone."""
+        """Add ``variance`` (m^2) to the position alone."""
         p = self.kalman.P.copy()
         p[N, N] += variance
         p[E, E] += variance
@@ -332,13 +332,13 @@ class Filter:
 
     @property
     def current_found(self) -> float:
-        """m/s, beside what the vehicle file says of it."""
+        """By how many m/s the estimated current differs from that of the vehicle file."""
         north, east = self.figures.current_mean
         return math.hypot(float(self.x[CN]) - north, float(self.x[CE]) - east)
 
     def doubt_current(self, sigma: float) -> None:
-        """The current may be off by ``sigma`` m/s or more along each axis, whatever was found of it
-        together with something else; the mean stays."""
+        """Take the current to be uncertain by ``sigma`` m/s or more along each axis. An axis that
+        was known better loses its correlations; the mean stays."""
         p = self.kalman.P.copy()
         for axis in (CN, CE):
             if p[axis, axis] < sigma * sigma:
@@ -347,7 +347,8 @@ class Filter:
         self.kalman.P = p
 
     def vertical(self, depth: float | None, altitude: float | None) -> tuple[float, int] | None:
-        """Takes in what is there; the normalised innovation squared and its degrees of freedom."""
+        """Correct by depth and altitude (m) where given. Return the normalised innovation squared
+        and its degrees of freedom, None if neither is given."""
         kf = self.kalman
         if depth is not None and altitude is not None:
             kf.update(np.array((depth, altitude)), self._depth_and_altitude, _BOTH)
@@ -362,7 +363,7 @@ class Filter:
         return kf.y.item() ** 2 * kf.SI.item(), 1
 
     def velocity(self, north: float, east: float, run: Motion) -> None:
-        """Over ground, from a receiver's speed and course (rejected beyond 4 sigma)."""
+        """Correct by a receiver's velocity over ground, m/s (rejected beyond 4 sigma)."""
         fig, x, p = self.figures, self.kalman.x, self.kalman.P
         sm, cm = math.sin(run.heading), math.cos(run.heading)
         true = run.heading - float(x[COMPASS]) - float(x[WANDER])

@@ -4,17 +4,17 @@
     stale    the last report is older than the row's max age, or than the vehicle file's
              ``stale_after``
     frozen   identical to the last bit for 5 reports and 7 s while the vehicle moves (some rows
-             only: batteries and temperature may well be constant); so is a receiver that says
-             nothing but places which it has said before, under water too
-    absurd   not finite (a codec tells None and a fault), out of the physical range, faster than
-             the row's rate, or marked doubtful by the codec. A value that is out of rate is
+             only: batteries and temperature may well be constant); so is a receiver that sends
+             only places which it has sent before, under water too
+    absurd   not finite (the codec gives None and a fault), out of the physical range, faster than
+             the row's rate, or marked doubtful by the codec. A value that changed too fast is
              believed again once three reports in a row, over a second at least, agree with each
-             other: the sensor has come back elsewhere (a depth is then contradicted). Among
-             reports of which more than every third is absurd none is believed, until three in a
-             row agree (in a row without a rate: are none of them absurd).
-    contradicted  the depth alone, by what else is known (belief)
+             other: the sensor has come back at another value (a depth is then contradicted). If
+             more than every third report is absurd, none is believed until three in a row agree
+             (in a row without a rate: until three in a row are not absurd).
+    contradicted  the depth alone, by other evidence (belief)
 
-Rows are the channels; a sensor is one or more channels and is as good as the worst of them.
+Each row is a channel. A sensor has one or more channels, and is as good as the worst of them.
 """
 
 from __future__ import annotations
@@ -31,11 +31,11 @@ from mission.navigation.fixes import FIX_DEPTH, Receiver
 from protocol.messages import Fix, Telemetry
 
 _SAME = 5  # identical reports that make a sensor frozen (design: readings are three-valued)
-_MOSTLY, _WORST = 3, 6  # of what a channel's bad reports add up to: it says mostly garbage
-_STANDS = 7.0  # s of them: a board may say 50 times a second what its sensor says twice
-_AGREE, _AGREE_FOR = 3, 1.0  # reports, and s, that agree and win against the rate limit
+_MOSTLY, _WORST = 3, 6  # score of bad reports: from here on none is believed; the greatest
+_STANDS = 7.0  # s of them: a board may send 50 times a second what its sensor measures twice
+_AGREE, _AGREE_FOR = 3, 1.0  # reports, and s, that agree and overrule the rate limit
 _NEUTRAL = 0.02  # thruster fraction below which nothing moves
-_SLOW, _GPS = 30.0, 5.0  # s: of slow quantities; protocols R9
+_SLOW, _GPS = 30.0, 5.0  # s, max age: of slow quantities; of a fix (R9)
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,9 +47,9 @@ class Channel:
     low: float = -math.inf
     high: float = math.inf
     rate: float = math.inf
-    stands: float = math.inf  # s for which it is identical to the last bit, and frozen
+    stands: float = math.inf  # s of identical values, after which it is frozen
     wraps: bool = False
-    sparse: bool = False  # an absurd report is how it says nothing, often
+    sparse: bool = False  # it often reports an absurd value to say that it measured nothing
 
 
 # fmt: off
@@ -87,19 +87,19 @@ class _Monitor:
     repeated: bool = False  # the last report said the same as the one before
     agreeing: int = 0
     agreed: float = -math.inf  # since when they agree
-    jumped: float = 0.0  # by so much, when those that agree began
-    bad: int = 0  # 2 for a report that is absurd, one less for one that is not
-    leapt: float = 0.0  # by so much, with the last report: it is believed elsewhere
+    jumped: float = 0.0  # by how much the value jumped when they began to agree
+    bad: int = 0  # score: 2 more for an absurd report, 1 less for another
+    leapt: float = 0.0  # by how much the value had jumped that the last report made believed
     reason: str = ""
 
     def observe(self, row: Channel, t: float, value: float, moving: bool, doubt: bool) -> bool:
-        """Takes one report in; whether it can be believed."""
+        """Take one report; return whether it is believed."""
         before = self.value
         self.repeated = again = value == before
         self.same = self.same + moving if again else 0
         self.stood = self.stood + moving * (t - self.t) if again else 0.0
         self.leapt = 0.0
-        sound = not doubt and row.low <= value <= row.high  # not what is no number, either
+        sound = not doubt and row.low <= value <= row.high  # false for NaN, too
         near = row.rate == math.inf
         if near:
             self.agreeing = self.agreeing + 1 if sound else 0
@@ -110,7 +110,7 @@ class _Monitor:
                 near = _near(row, t - self.good_t, value, self.good)
             if not goes_on:
                 self.jumped = 0.0 if near or not math.isfinite(value) else value - self.good
-            elif self.jumped:  # not to be taken for the old place, in reach of which it comes
+            elif self.jumped:  # in reach of the old value, but nearer to the new one: not near
                 near = near and _apart(row, value, self.good) <= _apart(row, value, before)
         if self.agreeing <= 1:
             self.agreed = t
@@ -133,7 +133,7 @@ class _Monitor:
             self.bad = min(self.bad + 2, _WORST)
 
     def _is_plausible(self, near: bool) -> bool:
-        """Near the last one that was believed, and not one of a few among garbage; or agreed on."""
+        """Whether it is near the last believed value of a good channel, or enough reports agree."""
         if self.agreeing >= _AGREE and (near or self.t - self.agreed >= _AGREE_FOR):
             self.bad = 0
             return True
@@ -147,13 +147,13 @@ def _near(row: Channel, since: float, value: float, other: float) -> bool:
 
 
 def _apart(row: Channel, a: float, b: float) -> float:
-    """Between two values of a channel; NaN with none."""
+    """The difference of two values of a channel; NaN if one of them is NaN."""
     return abs(math.remainder(a - b, 2.0 * math.pi)) if row.wraps else abs(a - b)
 
 
 class SensorHealth:
-    """One monitor per channel. ``reports`` are the sensors that the vehicle file declares,
-    ``stale_after`` its age of telemetry, s."""
+    """One monitor per channel. ``reports``: the sensors that the vehicle file declares;
+    ``stale_after``: its greatest age of a believed report, s."""
 
     def __init__(self, reports: frozenset[str], stale_after: float = STALE_AFTER) -> None:
         self._max_age = {
@@ -167,11 +167,11 @@ class SensorHealth:
         self.monitors = {name: _Monitor() for name in CHANNELS}
         self.moving = False  # by the last report
         self.receiver = Receiver()
-        self.own = Receiver()  # what the vehicle reckons itself is judged as a receiver is
+        self.own = Receiver()  # the position that the vehicle computes itself, judged the same way
         self.belief = DepthBelief()
 
     def telemetry(self, t: Telemetry, push: Vertical = UNPUSHED) -> frozenset[str]:
-        """Takes a report in; returns the channels of it that can be believed."""
+        """Take a report; return those of its channels that are believed."""
         moving = t.actuators is None or max(map(abs, t.actuators[:5]), default=0.0) > _NEUTRAL
         self.moving = moving
         doubtful = doubted(t)
@@ -196,8 +196,8 @@ class SensorHealth:
         return frozenset(good)
 
     def _compare(self, t: Telemetry, depth: float, push: Vertical) -> None:
-        """Compares the depth with what else is known. An absurd or frozen depth is left out: it
-        would speak against the sensor when that has come back."""
+        """Compare the depth with other evidence. An absurd or frozen depth is left out: it would
+        count against the sensor after that has recovered."""
         monitor, altimeter = self.monitors["depth"], self.monitors["altitude"]
         if monitor.reason:
             return
@@ -209,8 +209,8 @@ class SensorHealth:
         self.belief.take(t.t, depth, height, mains, push, self.receiver)
 
     def fix(self, f: Fix) -> bool:
-        """Takes a fix in; whether it can be believed. The channel's value is a number that changes
-        with each place that is new."""
+        """Take a fix; return whether it is believed. The channel's value is a number that changes
+        with each new place."""
         monitor = self.monitors["position"]
         own = f.accuracy == math.inf
         receiver = self.own if own else self.receiver
@@ -221,22 +221,24 @@ class SensorHealth:
         return good and not receiver.stale and (own or not self._under_water(f.t))
 
     def receives(self, now: float) -> bool:
-        """A receiver has lately said a place that is news, and not under water."""
+        """Whether the receiver has lately sent a new place, and not under water."""
         return now - self.receiver.news_at <= _GPS and not self._under_water(now)
 
     def _under_water(self, now: float) -> bool:
-        """By a depth that is believed: a receiver that says a place there made it up."""
+        """Whether a believed depth is under water: a receiver makes up any place that it sends
+        there."""
         return self.monitors["depth"].good >= FIX_DEPTH and self.of("depth", now).valid
 
     def forget(self, channel: str) -> None:
         self.monitors[channel] = _Monitor()
 
     def repeated(self, channel: str) -> bool:
-        """The last report says nothing new: an altimeter without an echo repeats its last one."""
+        """Whether the last report repeats a value: an altimeter does so without an echo."""
         return self.monitors[channel].repeated
 
     def of(self, sensor: str, now: float) -> Health:
-        """The worst of the sensor's channels. KeyError for a name that is not in SENSORS."""
+        """Return the health of the sensor's worst channel. Raises KeyError for a name that is not
+        in SENSORS."""
         names = _CHANNELS_OF.get(sensor)
         if names is None:
             raise KeyError(f"no sensor {sensor}; there are {', '.join(SENSORS)}")
@@ -253,12 +255,12 @@ class SensorHealth:
 
 
 _NONE: frozenset[str] = frozenset()
-_CONFIRMED = ""  # an unknown code of a leak is one (R16): what the codec says of it counts
+_CONFIRMED = ""  # no channel: an unknown leak code counts as a leak (R16), and is not doubted
 _NAMED = {"yaw": "heading", "ez": "heading", "ey": "pitch", "ex": "roll", "leak": _CONFIRMED}
 
 
 def doubted(report: Telemetry) -> Set[str]:
-    """The channels that its codec has marked doubtful."""
+    """Return the channels that the codec has marked doubtful."""
     return {_channel_of(fault) for fault in report.faults} if report.faults else _NONE
 
 

@@ -1,10 +1,10 @@
-"""What an added sensor says, against what the filter expects.
+"""The measurement equations of added sensors: what the filter expects of each.
 
     through the water  ahead = (scale u + deviation) k
-    over ground        the same, and what sinking brings; plus the current, turned into the hull:
+    over ground        the same, plus the speed by sinking, and the current turned into the hull:
                        ahead += n cos psi + e sin psi, starboard = sway + e cos psi - n sin psi
-    to a beacon        r = |place - beacon|, with the second order in what the place is off by
-                       across the way to it (Bar-Shalom, Li, Kirubarajan 2001, ch. 10.3.2):
+    to a beacon        r = |place - beacon|, with the second order of the position error across
+                       the line to it (Bar-Shalom, Li, Kirubarajan 2001, ch. 10.3.2):
                        r += p / 2r, and its variance p^2 / 2r^2; the depth is an input
 
 What does not live here: which sensors there are and when one is believed (added), F and Q (filter).
@@ -39,7 +39,7 @@ _GATES = (0.0, 10.828, 13.816)  # chi-square, 99.9 %, by degrees of freedom
 
 
 class Innovation(NamedTuple):
-    """By how much a value is off, how it follows from the states, and its noise."""
+    """The innovation ``y``, how the value follows from the states (``h``), and its noise ``r``."""
 
     y: Array
     h: Array
@@ -54,7 +54,7 @@ def innovation(filter_: Filter, a: Aiding, run: Motion) -> Innovation:
     if a.kind == RANGE:
         return _of_range(filter_, a)
     z, h = _of_hull(filter_, run, ground=a.kind == GROUND)
-    if n > 1:  # what pushes it to and fro across is no state
+    if n > 1:  # the sway to either side is not a state
         r[1, 1] += (filter_.figures.sway.sigma * run.expected) ** 2
     return Innovation(np.array(a.values) - z[:n], h[:n], r)
 
@@ -74,13 +74,13 @@ def _of_range(filter_: Filter, a: Aiding) -> Innovation:
 
 
 def fits(filter_: Filter, a: Aiding, run: Motion) -> bool:
-    """Within one and a half sigma, as after a gate was opened."""
+    """Whether the value is within 1.5 sigma: an opened gate is widened until it is."""
     y, h, r = innovation(filter_, a, run)
     return float(y @ filter_.kalman.inv(h @ filter_.covariance @ h.T + r) @ y) < 2.25
 
 
 def correct(filter_: Filter, a: Aiding, run: Motion) -> bool:
-    """Corrects the filter by what a sensor said; False: it is beyond the gate."""
+    """Correct the filter by a sensor's value; return False if it is beyond the gate."""
     y, h, r = innovation(filter_, a, run)
     inverse = filter_.kalman.inv(h @ filter_.covariance @ h.T + r)
     if float(y @ inverse @ y) > _GATES[len(y)]:
@@ -90,7 +90,7 @@ def correct(filter_: Filter, a: Aiding, run: Motion) -> bool:
 
 
 def _of_hull(filter_: Filter, run: Motion, *, ground: bool) -> tuple[Array, Array]:
-    """Ahead and to starboard as they are expected, and how they follow from the states."""
+    """Return the expected speeds ahead and to starboard, and how they follow from the states."""
     x = filter_.x
     sm, cm = math.sin(run.heading), math.cos(run.heading)
     error = x[COMPASS] + x[WANDER] + x[SIN] * sm + x[COS] * cm

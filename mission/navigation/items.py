@@ -1,7 +1,7 @@
-"""What the reckoner takes in: what could be believed of one report, and a fix in the local frame;
-and what it keeps of the last report.
+"""The reckoner's input: the believed values of a report, a fix in the local frame, a value of an
+added sensor. Also what the reckoner keeps of the last report.
 
-What does not live here: how it is believed (health), and what is made of it (reckoner).
+What does not live here: which values are believed (health), how they are used (reckoner).
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ _FASTEST = 4.0  # m/s, between two fixes that agree
 
 
 class Report(NamedTuple):
-    """What could be believed of one Telemetry. ``heading`` is compass + declination."""
+    """The believed values of one Telemetry. ``heading`` is compass + declination."""
 
     t: float
     heading: float | None
@@ -26,7 +26,7 @@ class Report(NamedTuple):
 
 
 class Reported(NamedTuple):
-    """As of the last report: heading, turn, thrust."""
+    """Heading, turn and thrust as of the last report."""
 
     t: float
     heading: float | None = None
@@ -39,7 +39,7 @@ class Reported(NamedTuple):
     skidding: float = 0.0  # the same, at the report
     heave: float = 0.0  # m/s ahead, of a pitched hull that sinks or rises upright
     gap: float = 0.0  # s between this heading and the one before
-    turns_from: tuple[float, float] | None = None  # s, and the heading then, of the next yaw rate
+    turns_from: tuple[float, float] | None = None  # s, heading: the next yaw rate counts from there
     told_after: float = 0.0  # s since the report before
 
 
@@ -54,8 +54,8 @@ class GroundFix(NamedTuple):
 
 
 class Aiding(NamedTuple):
-    """What an added sensor said; a place in the local frame, a range as the beacon's north, east
-    and depth and the way to it, m. ``sigma`` is one of each value; ``source``: which of several."""
+    """A value of an added sensor: a place in the local frame; a range as the beacon's north, east
+    and depth and the distance to it, m. ``sigma``: of each value; ``source``: which of several."""
 
     t: float
     kind: str
@@ -72,7 +72,7 @@ Item = Report | GroundFix | Aiding
 
 
 def agree(fixes: Sequence[GroundFix]) -> bool:
-    """Whether each fix is as near the one before as receiver and vehicle can have moved."""
+    """Whether each fix is within what receiver and vehicle can have moved since the one before."""
     return all(
         math.hypot(b.north - a.north, b.east - a.east)
         < 4.0 * math.sqrt(a.variance + b.variance) + _FASTEST * (b.t - a.t)

@@ -1,4 +1,4 @@
-"""The figures that the filter believes, and how the vehicle moves between two reports.
+"""The filter's states and figures, and the vehicle's speed through the water between two reports.
 
     x = north, east | current north, east | surface drift north, east
         | speed scale, speed deviation
@@ -9,11 +9,11 @@
     true heading             = compass + declination - error - a sin(m) - b cos(m) - wander
     velocity over ground     = water + current (+ surface drift while at the surface)
 
-The surface drift (wind, waves, Stokes) is what a current learned at the surface is not, below.
-Current, drift, deviation, compass error, its wander and depth rate are first-order Gauss-Markov
-processes (Gelb, Applied Optimal Estimation, 1974, ch. 3.8): steady sigma, correlation time. The
-deviation over the heading is a random function of the heading with covariance sigma^2
-cos(difference); its second harmonic, half as large, wanders with each turn.
+The surface drift (wind, waves, Stokes) is the part of a current learned at the surface that does
+not act below. Current, drift, deviation, compass error, its wander and depth rate are first-order
+Gauss-Markov processes (Gelb, Applied Optimal Estimation, 1974, ch. 3.8): steady sigma, correlation
+time. The deviation over the heading is a random function of the heading with covariance
+sigma^2 cos(difference). Its second harmonic, half as large, wanders with each turn.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ class Markov:
 
 @dataclass(frozen=True, slots=True)
 class Figures:
-    """One sigma of everything, SI. Those that the vehicle file has come from it."""
+    """One sigma of everything, SI. Figures that the vehicle file has come from there."""
 
     current: Markov
     fresh: Markov  # the current, for ``fresh_for`` s after a fix
@@ -70,7 +70,8 @@ class Figures:
     ground_velocity: float = 0.1  # m/s, of a receiver's speed and course
 
     def times(self, share: float) -> Figures:
-        """All that makes a position wrong below ``share`` times as large."""
+        """Return these figures with all that makes a position under water wrong ``share`` times as
+        large."""
         moved = (self.drift, self.deviation, self.compass, self.wander, self.sway)
         drift, deviation, compass, wander, sway = (m.times(share) for m in moved)
         return replace(
@@ -118,7 +119,7 @@ def figures(vehicle: Vehicle) -> Figures:
 
 
 class Propulsion(Protocol):
-    """Forward speed through still water, as the vehicle's own data lets expect it."""
+    """The forward speed through still water that the vehicle's own data predict."""
 
     speed: float
     fastest: float  # m/s by full thrust; 0 where it has none
@@ -126,7 +127,7 @@ class Propulsion(Protocol):
     def advance(
         self, actuators: tuple[float, ...] | None, dt: float, pitch: float, rate: float
     ) -> float:
-        """The mean over the last ``dt`` (inf: it has been going on like this for long)."""
+        """Return the mean speed over the last ``dt`` s (inf: the motion has long been steady)."""
         ...
 
 
@@ -135,9 +136,9 @@ def propulsion(vehicle: Vehicle) -> Propulsion:
 
 
 class Thrust:
-    """By the main thrusters; v' = (drive - v |v|) / surge length, the drive being v^2 at the end.
+    """Speed by the main thrusters: v' = (drive - v |v|) / surge length; drive is the end speed^2.
 
-    Fractions of thrust come with left and right main first.
+    ``actuators`` are fractions of full thrust, those of the left and right main first.
     """
 
     __slots__ = ("_curve", "_length", "_scale", "fastest", "speed")
@@ -170,20 +171,20 @@ class Thrust:
         return total / steps
 
     def _drive(self, fraction: float) -> float:
-        """Thrust, as the signed square of the speed that it keeps up."""
+        """Return the thrust as the signed square of its steady speed, (m/s)^2."""
         v = self._scale * self._curve.at(12.0 * abs(fraction))
         return math.copysign(v * v, fraction)
 
 
 class Glide:
-    """By sinking and rising along the glide path: horizontal speed = rate / tan(path angle).
+    """Speed by gliding down and up: horizontal speed = depth rate / tan(path angle).
 
     The path is steeper than the pitch by the angle of attack, about 3 deg near the pitches flown
     (Merckelbach, Smeed, Griffiths, J. Atmos. Oceanic Technol. 27, 2010, 547-563).
     """
 
     _ATTACK = math.radians(3.0)
-    _LEAST = math.radians(8.0)  # flatter is no glide: inflecting, or at the surface
+    _LEAST = math.radians(8.0)  # a flatter pitch is no glide: inflecting, or at the surface
     _SLOWEST = 0.03  # m/s of depth rate
     _FASTEST = 0.6  # m/s forward
 

@@ -1,8 +1,8 @@
 """Navigation: Telemetry and Fix in, Estimate and Health out.
 
-Holds the frame (origin, declination), asks health what can be believed, and keeps the last
-seconds of input, so that what arrives late is put in its place: the filter goes back to before
-it, takes it in, and takes the rest in again.
+It holds the frame (origin, declination), and asks health which values are believed. It keeps the
+last input: for an item that arrives late, the filter goes back to the item's time, processes it,
+and then processes the later items again.
 """
 
 from __future__ import annotations
@@ -29,16 +29,17 @@ from protocol.messages import Aid, Fix, Telemetry
 if TYPE_CHECKING:
     from mission.navigation.model import Figures
 
-_LATEST = 15.0  # s: what is later than this is dropped
-_AIDS_APART = 0.8  # s between two that count, of one kind: each second, told unevenly
-_KEEP = 64  # items of input that can be gone back over
-_NEARLY = 1.0  # s: by so much what is later than all that can be gone back over counts as of then
-_FAR = 100_000.0  # m from the origin, to which its plane is as good as exact
-_FRESH = 5.0  # s: a younger fix means that fixes are coming in (protocols R9)
+_LATEST = 15.0  # s: an item that is later is dropped
+_AIDS_APART = 0.8  # s between two values of a sensor that count: one a second, with jitter
+_KEEP = 64  # items of input that the filter can go back over
+_NEARLY = 1.0  # s: an item that is at most so much older than those counts as of the first
+_FAR = 100_000.0  # m from the origin: up to there the plane is accurate enough
+_FRESH = 5.0  # s: a younger fix means that fixes are coming in (R9)
 
 
 class Navigation:
-    """``date`` (YYYY-MM-DD) is for the magnetic model until a fix brings one."""
+    """The position estimate and sensor health of one vehicle. ``date`` (YYYY-MM-DD) is for the
+    magnetic model until a fix brings a date."""
 
     def __init__(
         self,
@@ -56,9 +57,9 @@ class Navigation:
         self._health = SensorHealth(vehicle.reports, vehicle.stale_after)
         self.core = Reckoner(vehicle, figures or believed(vehicle))
         self._history: deque[tuple[Item, tuple[Any, ...]]] = deque(maxlen=_KEEP)
-        self._aided: Mapping[str, float] = {}  # when; replaced, never written to
-        self.dropped = 0  # items that came too late to be of use
-        self._own_off = 0.0, 0.0  # m: what the vehicle reckons itself, when fixes last came
+        self._aided: Mapping[str, float] = {}  # times of values; replaced, never written to
+        self.dropped = 0  # items that came too late
+        self._own_off = 0.0, 0.0  # m: error of the vehicle's own position when fixes last came
         self.frame: LocalFrame | None = None
         self._counted = origin is not None  # positions count from there, or from a mission's start
         self._declination = vehicle.declination or 0.0
@@ -68,7 +69,7 @@ class Navigation:
     # --- frame -----------------------------------------------------------------------------------
 
     def set_origin(self, position: Position, now: float) -> None:
-        """Home: what is known of the vehicle's own place is kept and said in the new frame."""
+        """Set home. The vehicle's estimated position is kept, and expressed in the new frame."""
         core, new = self.core, LocalFrame(position)
         if core.located and self.frame is not None:
             x = core.filter.x
@@ -80,18 +81,18 @@ class Navigation:
         self._settle(new)
 
     def start_here(self, now: float, within: float = 0.0) -> None:
-        """Without any fix, the vehicle is at the origin: positions count from the start. Where that
-        is on the earth the next fix tells, or a home that is set, from which it is ``within`` m
-        (95 %); no frame of before does."""
+        """Start without a fix: the vehicle is at the origin, and positions count from the start.
+        The next fix then places the origin on the earth, or a home that is set, from which the
+        vehicle is ``within`` m (95 %). An earlier frame is forgotten."""
         sigma = max(within / PLANE_95, 0.1)
         self.core.place(now, 0.0, 0.0, sigma * sigma, assumed=within > 0.0)
         self.frame, self._own_off, self._counted = None, (0.0, 0.0), True
         self._history.clear()
 
     def assume_current(self, most: float) -> None:
-        """A mission starts in a current of up to ``most`` m/s, whatever was learned of it before:
-        a vehicle that is held by hand, or moored, has found that there is none; one that was
-        carried or towed, that there is more than that."""
+        """Take the current at the start of a mission as up to ``most`` m/s, whatever was learned
+        before. A vehicle that is held or moored has found no current; one that was carried or towed
+        has found a greater one."""
         self.core.filter.doubt_current(max(most, self.core.filter.current_found) / PLANE_95)
         self.core.settle()
         self._history.clear()
@@ -109,7 +110,7 @@ class Navigation:
             if found != self._declination:
                 self.core.decline(found - self._declination)
                 self._declination = found
-                self._history.clear()  # its reports have the old one in them
+                self._history.clear()  # its reports contain the old declination
 
     @property
     def declination(self) -> float:
@@ -134,19 +135,20 @@ class Navigation:
         )
 
     def _straighten(self, compass: float) -> float:
-        """What is known of the compass's error taken off, and the declination put on."""
+        """Subtract the known error from a compass heading, and add the declination; rad."""
         vehicle = self._vehicle
         known = vehicle.compass_bias + vehicle.calibration.deviation.at(compass)
         return compass + self._declination - known
 
     def forget_depth(self) -> None:
-        """Compares what is heard of the depth from now on with nothing from before."""
+        """Compare later depths with nothing from before."""
         self._health.forget("depth")
         self._health.belief = DepthBelief()
 
     def fix(self, f: Fix) -> None:
-        """What the vehicle reckons itself is none: passed over while a receiver says places, and
-        later it tells how far the vehicle is from where that was."""
+        """Take a fix, or the position that the vehicle computes itself, which is no fix. While a
+        receiver sends new places, that position is only compared; later it counts less its
+        error."""
         own = f.accuracy == math.inf
         if own and self._health.receives(f.t):
             self._compare(f)
@@ -171,8 +173,8 @@ class Navigation:
             self._go_there(f, sigma)
 
     def _go_there(self, f: Fix, sigma: float) -> None:
-        """Settles another frame once a fix has been used of which this one cannot tell the place:
-        the first fix was wild."""
+        """Move the frame to a fix that was used, if the frame cannot express its place: then the
+        first fix was wild."""
         assert self.frame is not None
         used = self.core.last_fix == self.core.t == f.t
         if used and not self.frame.reaches(f.latitude, f.longitude):
@@ -181,7 +183,7 @@ class Navigation:
             self._settle(LocalFrame(Position(math.degrees(f.latitude), math.degrees(f.longitude))))
 
     def less_off(self, own: Fix) -> Fix:
-        """What the vehicle reckons itself, less what it was off by when fixes last came."""
+        """Return the vehicle's own position less its error when fixes last came."""
         if self.frame is None or self._own_off == (0.0, 0.0):
             return own
         north, east = self.frame.to_local(own.latitude, own.longitude)
@@ -195,9 +197,9 @@ class Navigation:
             self._own_off = north - float(x[0]), east - float(x[1])
 
     def aid(self, a: Aid) -> None:
-        """Of a sensor that was added. A place waits for a frame, and so does the way to a beacon,
-        which must be one of the vehicle file's. However often it speaks, one value a second counts:
-        what heading and report were off by is in all of them."""
+        """Take a value of an added sensor. Without a frame, a place or a range is ignored; so is
+        the range to a beacon that the vehicle file does not have. However often a sensor reports,
+        one value a second counts: all of them share the errors of heading and report."""
         source = f"{a.values[0]:g}" if a.kind == RANGE else ""
         sigma = self._vehicle.added.get(a.kind, ADDED[a.kind].sigma)
         item = Aiding(a.t, a.kind, a.values, sigma, source)
@@ -218,7 +220,7 @@ class Navigation:
         self._take(item)
 
     def _frame_through(self, f: Fix) -> LocalFrame:
-        """In which the vehicle, started without a fix, is where it believes to be."""
+        """Return the frame in which a vehicle that started without a fix is at its estimate."""
         here = LocalFrame(Position(math.degrees(f.latitude), math.degrees(f.longitude)))
         if not self.core.located:
             return here
@@ -227,7 +229,7 @@ class Navigation:
         return LocalFrame(Position(math.degrees(lat), math.degrees(lon)))
 
     def _take(self, item: Item) -> None:
-        """Into the filter at its own time, however late it comes."""
+        """Process an item at its own time. An item that is too late is dropped, and counted."""
         core, history = self.core, self._history
         if core.t is None or item.t >= core.t:
             history.append((item, core.save()))
@@ -246,11 +248,11 @@ class Navigation:
             core.take(one)
 
     def _reaches(self, t: float) -> bool:
-        """It can be gone back to then. A frame, a start, a declination begin what is kept anew, and
-        the first fix is the one that comes behind its report: it counts as of that."""
+        """Whether the filter can go back to ``t``. A new frame, start or declination empties the
+        memory, and the first fix often comes after its report: it counts as of the beginning."""
         began = self.core.t
         if self._history:
-            _, _, (began, *_) = self._history[0][1]  # ``t`` of the core before it
+            _, _, (began, *_) = self._history[0][1]  # the core's ``t`` before that item
         return began is None or t >= began - _NEARLY
 
     # --- out -------------------------------------------------------------------------------------
@@ -259,7 +261,8 @@ class Navigation:
         return self._health.of(sensor, now)
 
     def estimate(self, now: float) -> Estimate | None:
-        """None before anything was heard. Looks ahead of the last input, changes nothing."""
+        """Return the estimate at ``now``, None before any input. It predicts from the last input,
+        and changes nothing."""
         core = self.core
         if core.t is None:
             return None
@@ -273,7 +276,7 @@ class Navigation:
         return self._estimate(now, *told)
 
     def _estimate(self, now: float, x: list[float], p: list[float]) -> Estimate:
-        """Of what the filter told."""
+        """Make the estimate from what ``Filter.told`` returned."""
         core = self.core
         nn, ne, ee, cn, ce, aa, ab, bb, dd, dg, gg, rr, *compass = p
         u, shown = core.expected, core.heading
@@ -311,7 +314,7 @@ class Navigation:
         )
 
     def _heading_variance(self, compass: list[float], s: float, c: float) -> float:
-        """Of one report: the compass's error over the heading, and its noise."""
+        """Of one report, rad^2: the compass's error at this heading, and its noise."""
         e, es, ec, ew, ss, sc, sw, cc, cw, ww = compass
         once = e + ww + s * s * ss + c * c * cc
         twice = ew + s * (es + sw) + c * (ec + cw) + s * c * sc
@@ -327,7 +330,7 @@ class Navigation:
     # --- whole -----------------------------------------------------------------------------------
 
     def snapshot(self) -> Any:
-        """Everything that ``restore`` needs to go on from here, to the last bit."""
+        """Return all that ``restore`` needs to continue from here, to the last bit."""
         monitors = {name: copy(m) for name, m in self._health.monitors.items()}
         kept = (self.frame, self._counted, self._own_off, self._date, self._declination)
         health = self._health

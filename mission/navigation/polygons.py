@@ -1,8 +1,8 @@
-"""Polygons of a local plane, m: what is inside, how near the edge is, and what is no polygon.
+"""Polygons in a local plane, m: what is inside, how near the edge is, and what is no polygon.
 
     inside     even-odd; a point on the edge counts as inside
-    sigmas     the least Mahalanobis distance from a place to the edge: within PLANE_95 the ellipse
-               that holds it with 95 % touches the edge
+    sigmas     the least Mahalanobis distance from a position to the edge; at PLANE_95 or less its
+               95 % ellipse touches the edge
     hull, gap  the convex hull of points, and its distance from a polygon
 
 What does not live here: what an area is for (mission.model), what a breach leads to (engine).
@@ -19,7 +19,7 @@ from mission.navigation.distribution import Covariance
 Point = tuple[float, float]  # m north and east
 Polygon = Sequence[Point]
 
-SMALLEST = 1.0  # m^2: less is a slip of the pen
+SMALLEST = 1.0  # m^2: a smaller area is a mistake
 _SHORTEST = 0.01  # m between two corners
 _FINE = 1e-9
 
@@ -34,7 +34,7 @@ def signed_area(polygon: Polygon) -> float:
 
 
 def fault(polygon: Polygon) -> str:
-    """Why these corners are no polygon; "" if they are one, whichever way round."""
+    """Return why these corners are no polygon; "" if they are one, in either direction."""
     if len(polygon) < 3:
         return "an area has at least three corners"
     for number, (a, b) in enumerate(edges(polygon), 1):
@@ -49,7 +49,7 @@ def fault(polygon: Polygon) -> str:
 
 
 def _crossing(polygon: Polygon) -> tuple[int, int] | None:
-    """The first two edges, from 1 on, that meet elsewhere than at a corner they share."""
+    """The first two edges (counted from 1) that meet elsewhere than at a shared corner."""
     sides = list(edges(polygon))
     for (i, one), (j, other) in itertools.combinations(enumerate(sides), 2):
         if j == i + 1 or (i == 0 and j == len(sides) - 1):
@@ -66,7 +66,7 @@ def _crossing(polygon: Polygon) -> tuple[int, int] | None:
 
 
 def inside(polygon: Polygon, point: Point) -> bool:
-    """On the edge, too."""
+    """Whether a point is inside or on the edge."""
     north, east = point
     odd = False
     for (an, ae), (bn, be) in edges(polygon):
@@ -76,7 +76,7 @@ def inside(polygon: Polygon, point: Point) -> bool:
 
 
 def to_segment(point: Point, a: Point, b: Point) -> float:
-    """m from a point to the nearest of a segment."""
+    """Distance in m from a point to a segment."""
     dn, de = b[0] - a[0], b[1] - a[1]
     length = dn * dn + de * de
     share = ((point[0] - a[0]) * dn + (point[1] - a[1]) * de) / length if length > 0.0 else 0.0
@@ -85,13 +85,13 @@ def to_segment(point: Point, a: Point, b: Point) -> float:
 
 
 def to_edge(polygon: Polygon, point: Point) -> float:
-    """m from a point to the nearest of the edge, from inside and from outside alike."""
+    """Distance in m from a point, inside or outside, to the edge."""
     return min(to_segment(point, a, b) for a, b in edges(polygon))
 
 
 def sigmas(polygon: Polygon, point: Point, covariance: Covariance) -> float:
-    """The edge's distance in sigmas of a place that is uncertain; inf for one that is certain,
-    but on the edge."""
+    """Distance of the edge in sigmas of an uncertain position. Of a certain one: inf, or 0 on the
+    edge."""
     nn, ne, ee = covariance
     spread = math.sqrt(max(nn, 0.0))
     across = math.sqrt(max(ee - (ne / spread) ** 2, 0.0)) if spread > 0.0 else math.sqrt(ee)
@@ -110,7 +110,7 @@ def sigmas(polygon: Polygon, point: Point, covariance: Covariance) -> float:
 
 
 def between(one: tuple[Point, Point], other: tuple[Point, Point]) -> float:
-    """m between two segments; 0 where they cross."""
+    """Distance in m between two segments; 0 where they cross."""
     (a, b), (c, d) = one, other
     if _turn(a, b, c) * _turn(a, b, d) < 0.0 and _turn(c, d, a) * _turn(c, d, b) < 0.0:
         return 0.0
@@ -123,7 +123,7 @@ def _turn(a: Point, b: Point, c: Point) -> float:
 
 
 def hull(points: Iterable[Point]) -> tuple[Point, ...]:
-    """Convex, in one direction round (Andrew 1979); two points or one where all are in line."""
+    """The convex hull, in one direction (Andrew 1979); two points or one if all are in line."""
     ordered = sorted(set(points))
     if len(ordered) < 3:
         return tuple(ordered)
@@ -141,6 +141,6 @@ def _chain(ordered: Sequence[Point]) -> list[Point]:
 
 
 def gap(body: Polygon, polygon: Polygon) -> float:
-    """m between the edges of a hull (or a point, or a line) and of a polygon; 0 where they meet."""
+    """Distance in m between the edges of a hull (or point, or line) and a polygon; 0: they meet."""
     sides = list(edges(body)) if len(body) > 1 else [(body[0], body[0])]
     return min(between(side, edge) for side in sides for edge in edges(polygon))

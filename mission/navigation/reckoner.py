@@ -2,15 +2,15 @@
 
     Report  -> predict to its time along its own heading -> correct depth and altitude
     GroundFix -> predict to its time -> gate -> correct position -> correct velocity
-    Aiding -> of a place, a range the same; a speed waits for the next report -> gate -> correct
+    Aiding -> a place, a range: the same; a speed: wait for the next report -> gate -> correct
 
-A fix whose normalised innovation squared is beyond the gate is rejected. A wrong gate is undone:
-three rejected fixes in a row that agree with each other widen the covariance (of all that moves
-the position, so that the jump also teaches current, scale and compass) until the fix fits. What
-the filter was before the first fix after a dive, and before its gate was opened, is remembered for
-a while: where that fits the fixes that agree, those between were wrong, and it goes back instead.
+A fix whose normalised innovation squared is beyond the gate is rejected. Three rejected fixes in a
+row that agree with each other open the gate: they widen the covariance of all that moves the
+position until the fix fits, so the jump also teaches current, scale and compass. The filter's state
+before the first fix after a dive, and before the gate opened, is kept for a while. If it fits the
+fixes that agree, the fixes between were wrong, and the filter goes back to that state instead.
 
-What does not live here: sensors' health, frames, what arrives late.
+What does not live here: sensors' health, frames, late input.
 """
 
 from __future__ import annotations
@@ -29,20 +29,20 @@ from mission.navigation.model import RATE, Figures, propulsion
 from protocol.added import PLACE, RANGE
 
 GATE = 13.816  # chi-square, 2 degrees of freedom, 99.9 %
-_AGREEING = 3  # rejected fixes in a row that win against the gate
-_GAP, _MEMORY = 60.0, 120.0  # s without a fix; for which the filter before it is remembered
-_WIDEST = 25.0  # factor on the covariance; what is missing then is given to the position alone
-_TURN_TIME = 1.0  # s: over less, two headings that noise or came together are no yaw rate
+_AGREEING = 3  # rejected fixes in a row that open the gate
+_GAP, _MEMORY = 60.0, 120.0  # s without a fix; s for which the state before the next one is kept
+_WIDEST = 25.0  # factor on the covariance; what is missing then is added to the position alone
+_TURN_TIME = 1.0  # s: over less time, two headings give noise and no yaw rate
 _EXTRAPOLATE = 1.0  # s beyond a report for which its yaw rate is believed
-_SURFACE = 0.7  # m of depth: shallower is moved by wind and waves
+_SURFACE = 0.7  # m of depth: above it wind and waves move the vehicle
 _UNDER_WAY = 0.3  # m/s: slower, the speed's deviation fades with the speed
-_DRIVES = 0.05  # m/s: less is what is left of some way
-_STEADY_SPEED, _STEADY_TURN = 0.1, 0.05  # m/s since the report before; rad/s
-_STEEP = 1.0  # rad of pitch: steeper, a depth rate says nothing of the way ahead
+_DRIVES = 0.05  # m/s: a lower speed is residual
+_STEADY_SPEED, _STEADY_TURN = 0.1, 0.05  # steady course: m/s since the report before; rad/s
+_STEEP = 1.0  # rad of pitch: steeper, a depth rate tells nothing of the speed ahead
 _PENDING = 4  # velocities that wait for a report
-_WAITING = 16  # the same, of sensors that were added
-_SKID = 0.3  # of the slip in a turn: how far it differs from turn to turn, after one rad
-_LOST_TIME, _LOST_GROWTH, _LOST_MOST = 20.0, 0.05, 1.8  # s; rad per s; rad: no compass
+_WAITING = 16  # the same, of added sensors
+_SKID = 0.3  # share of the slip that differs from turn to turn, after one rad
+_LOST_TIME, _LOST_GROWTH, _LOST_MOST = 20.0, 0.05, 1.8  # without a compass: s; rad/s; rad
 
 _KEPT = (  # besides the filter and the speed
     *("t", "located", "last_fix", "nis", "fix_nis", "depth_seen", "altitude_seen", "_motion"),
@@ -52,7 +52,7 @@ _kept = operator.attrgetter(*_KEPT)
 
 
 class Reckoner:
-    """``t`` is how far it has got; items must come in the order of their times."""
+    """Items must come in the order of their times; ``t`` is the time that it has reached."""
 
     def __init__(self, vehicle: Vehicle, figures: Figures) -> None:
         self.filter = Filter(figures)
@@ -65,7 +65,7 @@ class Reckoner:
         self.depth_seen = self.altitude_seen = False
         self._propulsion = propulsion(vehicle)
         self._calibration, self._stale_after = vehicle.calibration, vehicle.stale_after
-        self._driven_at = -math.inf  # of the last report of way by thrust
+        self._driven_at = -math.inf  # of the last report with speed by thrust
         self._motion = Reported(-math.inf)
         self._rejected: tuple[GroundFix, ...] = ()
         self._pending: tuple[GroundFix, ...] = ()  # velocities wait for the next report
@@ -119,8 +119,8 @@ class Reckoner:
         self.nis = nis or self.nis
 
     def _turn(self, r: Report) -> tuple[float | None, float, float, tuple[float, float] | None]:
-        """Heading, when it was reported, the yaw rate, and from where the next one may count: since
-        the report before, or where that is not a second ago, since an older one."""
+        """Return the heading, its time, the yaw rate, and the report from which the next yaw rate
+        counts: the one before, or an older one if that is less than a second ago."""
         last = self._motion
         if r.heading is None:
             return last.heading, last.heading_t, 0.0, last.turns_from
@@ -136,7 +136,7 @@ class Reckoner:
         return r.heading, r.t, rate, here
 
     def _skid(self, rate: float, since: float) -> tuple[float, float]:
-        """Outward in a turn, and for some seconds after it: its mean, and what it has come to."""
+        """Return the slip outward in a turn and some s after it: its mean, and its last value."""
         known, began = self._calibration, self._motion.skidding
         end = -known.turn_slip * rate
         lag = since / max(known.turn_slip_time, 1e-3)
@@ -146,7 +146,7 @@ class Reckoner:
         return end + (began - end) * (1.0 - kept) / lag, end + (began - end) * kept
 
     def _advance(self, t: float) -> None:
-        """Predicts to ``t`` along the straight line of headings through the last two reports."""
+        """Predict to ``t`` along the straight line of headings through the last two reports."""
         if self.t is None:
             self.t = t
             return
@@ -157,11 +157,11 @@ class Reckoner:
         self.t = t
 
     def run(self, t0: float, t1: float) -> Motion:
-        """How it moves between two times."""
+        """Return how the vehicle moves between two times."""
         m = self._motion
         driven = min(abs(m.expected) / _UNDER_WAY, 1.0)
         late = self._late(t1)
-        if m.heading is None:  # to any side, and to none in the mean
+        if m.heading is None:  # any direction is possible; the mean motion is 0
             skid = 2.0 * _LOST_MOST**2 * _LOST_TIME
             return Motion(
                 *(0.0, m.expected, 0.0, 0.0, 0.0, driven, 0.0, m.surfaced, skid, 0.0, late),
@@ -173,7 +173,7 @@ class Reckoner:
         slip = self._calibration.turn_slip
         skid = (_SKID * slip) ** 2 * abs(m.yaw_rate)
         lost, heading = self._lost(t1), m.heading + turned
-        if lost > 0.0:  # and, the less is known of the heading, ahead and back as well
+        if lost > 0.0:  # the less is known of the heading, the more error along it, too
             gone = 1.0 - math.exp(-lost / _LOST_TIME)
             skid += 2.0 * lost * gone * gone
         return Motion(
@@ -182,8 +182,8 @@ class Reckoner:
         )
 
     def _untold(self, t: float) -> float:
-        """Where reports have ended nobody says whether its thrusters are on: the stick may have it
-        (as built it reports nothing then), and its way is no current."""
+        """Variance (m^2/s) of unreported motion. When reports end, the stick may drive the vehicle
+        (as built, the AUV reports nothing then), and that motion is no current."""
         quiet = t - self._motion.t if t > self._motion.t else self._motion.told_after
         if not self._stale_after < quiet < math.inf:
             return 0.0
@@ -193,20 +193,20 @@ class Reckoner:
         return self.last_fix is None or t - self.last_fix > self.filter.figures.fresh_for
 
     def _lost(self, t: float) -> float:
-        """Extra heading variance times its correlation time, rad^2 s: loss(t)^2 * _LOST_TIME, with
-        ``heading_loss``. Up to the last heading it is taken half-way between the last two."""
+        """Extra heading variance times its correlation time, rad^2 s: loss^2 * _LOST_TIME, loss by
+        ``heading_loss``. Before the last heading, loss is that half-way between the last two."""
         m = self._motion
         loss = self.heading_loss(t if t > m.heading_t else m.heading_t + 0.5 * m.gap)
         return loss * loss * _LOST_TIME
 
     def heading_loss(self, t: float) -> float:
-        """Extra sigma of the heading, rad, where the compass has not been believed for a while."""
+        """Extra sigma of the heading, rad, if the compass has not been believed for a while."""
         over = t - self._motion.heading_t - 2.0 * self.figures.period
         return min(max(over, 0.0) * _LOST_GROWTH, _LOST_MOST)
 
     @property
     def heading(self) -> float | None:
-        """Of the last report that was believed: compass + declination."""
+        """The last believed heading: compass + declination, rad."""
         return self._motion.heading
 
     @property
@@ -218,7 +218,7 @@ class Reckoner:
         return min(abs(self._propulsion.speed) / _UNDER_WAY, 1.0)
 
     def decline(self, change: float) -> None:
-        """Turns the last heading by a change of the declination, so that it counts as no turn."""
+        """Turn the last heading by a change of the declination, so that this counts as no turn."""
         heading, begun = self._motion.heading, self._motion.turns_from
         if heading is not None and begun is not None:
             turns_from = begun[0], begun[1] + change
@@ -229,8 +229,8 @@ class Reckoner:
     def place(
         self, t: float, north: float, east: float, variance: float, assumed: bool = False
     ) -> None:
-        """The position is known at ``t``. ``assumed``: nothing has told it; what the first fix says
-        beside it is no current."""
+        """Set the position at ``t``. ``assumed``: it is not measured, so its difference to the
+        first fix is no current."""
         self._advance(max(t, self.t if self.t is not None else t))
         self.filter.place(north, east, variance)
         self.located, self._assumed = True, assumed
@@ -238,8 +238,7 @@ class Reckoner:
         self.settle()
 
     def settle(self) -> None:
-        """Forgets the filter that was kept to go back to: the frame or the current is another
-        now."""
+        """Forget the state that was kept to go back to: the frame or the current has changed."""
         self._before = None
 
     def _fix(self, f: GroundFix) -> None:
@@ -262,7 +261,7 @@ class Reckoner:
         return u is not None and f.t - u.t < 0.5 and (f.north, f.east) == (u.north, u.east)
 
     def _admit(self, f: GroundFix) -> bool:
-        """Corrects the position, or keeps the fix among the rejected ones."""
+        """Correct the position, or keep the fix among the rejected ones."""
         if self.filter.innovation(f.north, f.east, f.variance)[2] > GATE:
             self._rejected = (*self._rejected, f)[-_AGREEING:]
             if len(self._rejected) < _AGREEING or not agree(self._rejected):
@@ -275,8 +274,8 @@ class Reckoner:
         return True
 
     def _goes_back(self, f: GroundFix) -> bool:
-        """Restores the remembered filter and returns True, if ``f`` fits it with as much added as
-        the vehicle can have moved since."""
+        """Restore the state that was kept and return True, if ``f`` fits it after the motion that
+        is possible since."""
         if self._before is None or f.t - self._before[0] > _MEMORY:
             return False
         (began, before, assumed), now = self._before, self.filter.save()
@@ -284,8 +283,8 @@ class Reckoner:
         if f.t > began:
             run = self.run(began, f.t)
             self.filter.predict(f.t - began, run)
-            self.filter.loosen((run.expected * (f.t - began)) ** 2)  # by any way
-        self.filter.load_vertical(now)  # of the depth no fix says anything
+            self.filter.loosen((run.expected * (f.t - began)) ** 2)  # in any direction
+        self.filter.load_vertical(now)  # a fix tells nothing of the depth
         if self.filter.innovation(f.north, f.east, f.variance)[2] <= GATE:
             self._before, self._assumed = None, assumed
             return True
@@ -307,7 +306,7 @@ class Reckoner:
             self._loosen_to(f)
 
     def _give_way(self, f: GroundFix) -> None:
-        """Where its place is assumed, what the first fix says beside it is no current."""
+        """Let the first fix move an assumed position: the difference is no current."""
         if self._assumed:
             self._loosen_to(f)
         self._assumed = False
@@ -338,7 +337,8 @@ class Reckoner:
             self._use(a)
 
     def _use(self, a: Aiding, *, steady: bool = True) -> None:
-        """Else it is heard, for it may have frozen on a bend, and teaches nothing."""
+        """Use a value. Off a ``steady`` course it is only noted, in case the sensor freezes in the
+        turn, and teaches nothing."""
         run = self.run(a.t, a.t)
         seen = self._added.get(a.key, Seen()).heard(a, run, steady=steady)
         if steady and not seen.frozen(a.kind, run):
@@ -348,7 +348,7 @@ class Reckoner:
         self._added = {**self._added, a.key: seen}
 
     def _corrected(self, a: Aiding, run: Motion, seen: Seen) -> int:
-        """How many in a row are beyond the gate, then."""
+        """Correct by a value if the gate allows; return how many in a row are now beyond it."""
         if a.kind == PLACE:
             north, east = a.values
             if self.filter.innovation(north, east, a.sigma**2)[2] <= GATE:
@@ -367,7 +367,7 @@ class Reckoner:
         return 0 if correct(self.filter, a, run) else seen.refused + 1
 
     def _open_to(self, a: Aiding, run: Motion) -> None:
-        """As the gate for fixes is; there is nothing to go back to."""
+        """Open the gate as for fixes; there is no earlier state to go back to."""
         if not self._widens_to(lambda: fits(self.filter, a, run)):
             self.filter.loosen(float(innovation(self.filter, a, run).y[0]) ** 2)
 
@@ -378,9 +378,9 @@ class Reckoner:
             self._use(a, steady=steady and self.run(a.t, a.t).lost == 0.0)
 
     def _velocities(self, before: float) -> None:
-        """Takes in what receivers said of speed and course since the report before.
+        """Use the receivers' speeds and courses since the report before.
 
-        Only now it is known how the vehicle moved between the two; while it gathered way or
+        Only now is it known how the vehicle moved between the two reports. If it gathered way or
         turned, the time of such a velocity is not known well enough.
         """
         pending, self._pending = self._pending, ()
