@@ -1,6 +1,6 @@
 """Read, compile and check a mission: from its text to a chart for a vehicle, and to the report.
 
-All commands prepare a mission by these functions.
+Commands and the vehicle's own check of an upload use these functions.
 
     text or script --language--> Draft --compiler--> Chart --check--> Report
 

@@ -29,7 +29,7 @@ OVERSHOOT = 1.0  # m beyond a depth that is held; R5 acts at 1 m beyond
 FROZEN = 10.0  # s until a reading is known to be frozen: five equal reports, 2 s apart
 LATE = 8.0  # s until a change of depth is known: one report (2 s) after 6 s without
 TURNED = 3.0  # s until thrusters and buoyancy have reversed a dive
-STICKS = 10.0  # s that a descent may continue after its end: as built, W does not last (R7)
+STICKS = 10.0  # s that a descent may continue after it was ended: as built, W does not last (R7)
 ASCENT_TRIES = 20.0  # s: W and X0 with U12, 10 s each, until the better is known (R7)
 SURFACED = 8.0  # s: depth below 0.5 m for 6 s, and the report that shows it (R7)
 

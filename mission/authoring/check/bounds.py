@@ -66,7 +66,7 @@ class Trail:
 
 
 class Bounds(NamedTuple):
-    """A NamedTuple for speed: five are made for every leg that is walked."""
+    """Bounds at a moment of the mission. A tuple for speed: five are made for each leg walked."""
 
     time: float  # s since the start, at most
     energy: float  # J used, at most
@@ -150,7 +150,7 @@ class LegBounds:
 
     @property
     def duration(self) -> float:
-        """s at most in this leg: any event that it waits for may fail to come, but its clock."""
+        """Greatest s in this leg: the events that it waits for may never come; its clock does."""
         leg = self.leg
         limits = [t for t in (leg.duration, leg.timeout) if t is not None]
         for way in leg.exits:

@@ -88,9 +88,9 @@ def outlooks(
 ) -> tuple[dict[str, Expected], dict[str, float], dict[str, float]]:
     """Three tables by the paths of legs; of rounds the worst counts. Raises TooManyError.
 
-    1. The rows of each leg of rows. 2. The radius in m that contains 95 % of dives until the end of
-    the leg. 3. For each leg whose clock may end it too early: the s that 95 % of dives need, with
-    the current from the worst direction (inf: the leg never arrives).
+    1. The rows of each leg of rows. 2. For each leg, the radius in m that contains 95 % of dives at
+    its begin or its end (the larger). 3. For each leg whose clock may end it too early, the s that
+    95 % of dives need with the current from the worst direction (inf: the leg never arrives).
     """
     course = _Course(mission, vehicle)
     course.body(mission.body, "")

@@ -1,7 +1,8 @@
 """Compare the goals that a mission states with what its legs are expected to achieve.
 
     coverage    the mean share of the area that is seen
-    position    radius in m that contains 95 % of dives at the end of each row or other leg
+    position    radius in m that contains 95 % of dives: at the end of each row; for other legs, the
+                larger of those at their begin and end
 
 Legs that are not expected to achieve their goal are refused, row by row, with changes that are
 enough: the same outlook tries each change before it is suggested.
@@ -37,8 +38,8 @@ _SHARES = (0.9, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3)
 
 @dataclass(frozen=True, slots=True)
 class Outlook:
-    """The outlook of one leg: the share seen, and the error in m for each row, or at the end of a
-    leg without rows. ``needs``: s of a long enough clock, if its own may end the leg too early."""
+    """The outlook of one leg: the share seen, and the error in m for each row, or one for a leg
+    without rows. ``needs``: s of a long enough clock, if its own may end the leg too early."""
 
     leg: str
     coverage: float | None  # None: the leg states no swath

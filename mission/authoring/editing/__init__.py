@@ -4,6 +4,6 @@
     text, an edit on the map --edits--> new text: comments and layout unchanged
 
 The text is the reference. Each edit is verified by reading the new text: the edited place is where
-it was wanted, and every other place is where it was (places in metres move with home). An edit that
-cannot be made in this way is refused (EditError).
+it was wanted, and every other place is where it was (but for those that move with home). An edit
+that cannot be made in this way is refused (EditError).
 """

@@ -198,8 +198,8 @@ class Values:
         return value + 0.0
 
     def place(self, place: PlaceText, here: bool = False) -> Place | None:
-        """A place of the model. None means the place where the leg is entered; only with ``here``
-        set is it allowed."""
+        """A place of the model. None means the place where the leg is entered, which is allowed
+        only with ``here``."""
         match place:
             case AtHome():
                 return HOME
