@@ -1,1 +1,1 @@
-"""What a mission author works with: texts, compiler, check, graph, differences."""
+"""The tools of a mission author: texts, compiler, check, graph, differences."""

@@ -1,12 +1,14 @@
-"""From a mission's text to a chart on a vehicle, and to what the check says of it: the one way.
+"""Read, compile and check a mission: from its text to a chart for a vehicle, and to the report.
+
+Commands and the vehicle's own check of an upload use these functions.
 
     text or script --language--> Draft --compiler--> Chart --check--> Report
 
     Unreadable        (the author must act; holds every Diagnostic of every stage)
 
-What is wrong at one stage does not hide what is known of the later ones: of a text that cannot be
-read throughout, the legs that can be read are judged each by itself; of a mission that cannot be
-compiled, what refuses it whatever its legs set.
+An error at one stage does not hide the errors of later stages that are already certain. If only a
+part of a text can be read, each readable leg is judged by itself. If a mission cannot be compiled,
+the checks that do not depend on the settings of its legs still run.
 """
 
 from __future__ import annotations
@@ -47,17 +49,17 @@ _LACKS = (
 
 
 class Unreadable(Diagnosed):
-    """There is no chart: a file cannot be read, or what it says cannot be flown."""
+    """There is no chart: a file cannot be read, or the vehicle cannot fly the mission."""
 
     @property
     def refused(self) -> bool:
-        """The mission can be read, and so can all else: it is what it says that cannot be flown."""
+        """Whether all files could be read, so that only the compiler or the check refuses."""
         return all(found.stage in (Stage.COMPILE, Stage.CHECK) for found in self.diagnostics)
 
 
 @dataclass(frozen=True, slots=True)
 class Charted:
-    """``chart`` is None where something was ``found``."""
+    """The result of ``charted``: a chart, or None with the diagnostics in ``found``."""
 
     chart: Chart | None
     found: tuple[Diagnostic, ...] = ()
@@ -77,8 +79,11 @@ def prepare(
     vehicle: str | Vehicle | None = None,
     parameters: Mapping[str, str] | None = None,
 ) -> Prepared:
-    """``path``: a file or a shipped mission's name. ``vehicle``: likewise, or one that is loaded;
-    None: the one that the mission names. Raises Unreadable."""
+    """Read and compile a mission file.
+
+    ``path``: a file, or the name of a shipped mission. ``vehicle``: a file, the name of a shipped
+    vehicle, or a loaded vehicle; None means the vehicle that the mission names. Raises Unreadable.
+    """
     from mission.authoring.importing.places import beside
 
     file = mission_file(path)
@@ -96,8 +101,8 @@ def prepare_text(
     parameters: Mapping[str, str] | None = None,
     files: Files = no_files,
 ) -> Prepared:
-    """The same of a text that is at hand; ``source`` is what messages call it. ``files`` reads
-    those of places that it names."""
+    """Read and compile a mission text. Messages call it ``source``; ``files`` reads the files of
+    places that it names. Raises Unreadable."""
     read = drafted(text, source, vehicle, parameters, files)
     return prepare_draft(read, text, source, vehicle)
 
@@ -109,8 +114,8 @@ def drafted(
     parameters: Mapping[str, str] | None = None,
     files: Files = no_files,
 ) -> Draft:
-    """What the text says, as far as it could be read. Raises Unreadable where reading ended early
-    (a text too large)."""
+    """Read the text as far as possible; problems are in the Draft. Raises Unreadable if reading
+    ended early (the text is too large)."""
     try:
         return draft(text, source, parameters or {}, _named(vehicle), files)
     except MissionErrors as error:
@@ -118,7 +123,7 @@ def drafted(
 
 
 def prepare_draft(read: Draft, text: str, source: str, vehicle: str | Vehicle | None) -> Prepared:
-    """Of what was read of the text. Raises Unreadable."""
+    """Compile a text that ``drafted`` has read. Raises Unreadable."""
     try:
         chosen = _loaded(vehicle or read.mission.vehicle)
     except VehicleError as error:
@@ -136,14 +141,14 @@ def _loaded(vehicle: str | Vehicle) -> Vehicle:
 
 
 def _named(vehicle: str | Vehicle | None) -> Vehicle | None:
-    """The vehicle that the caller names; None where it names none, or none that can be read."""
+    """The vehicle that the caller names; None if there is no name, or its file is unreadable."""
     with contextlib.suppress(VehicleError):
         return None if vehicle is None else _loaded(vehicle)
     return None
 
 
 def charted(read: Draft, vehicle: Vehicle) -> Charted:
-    """The chart of what was read, or everything that is known to be wrong with it."""
+    """Compile what was read; return the chart, or every problem that is certain."""
     mission, place = read.mission, read.problems.placed
     if len(read.problems):
         return Charted(None, ordered([*read.problems.found(), *place(_alone(read, vehicle))]))
@@ -156,7 +161,7 @@ def charted(read: Draft, vehicle: Vehicle) -> Charted:
 
 
 def _alone(read: Draft, vehicle: Vehicle) -> Iterator[Diagnostic]:
-    """What is known of the statements that could be read, whatever the others were to say."""
+    """The problems of the readable statements that do not depend on the unreadable ones."""
     mission = read.mission
     for leg in legs_of(mission.body):
         if read.sound(leg.where):
@@ -169,8 +174,11 @@ def _alone(read: Draft, vehicle: Vehicle) -> Iterator[Diagnostic]:
 
 
 def mission_file(name: str | Path) -> Path:
-    """A file as it stands; a bare name that is no file is a shipped mission's. Raises Unreadable
-    for a bare name that is neither."""
+    """The path of a mission: ``name`` itself, or the shipped mission of that name.
+
+    A bare name (no suffix, no folder) that is no file must be a shipped mission's; if not, this
+    raises Unreadable.
+    """
     path = Path(name)
     if path.suffix or path.name != str(path) or path.exists():
         return path
@@ -184,13 +192,13 @@ def mission_file(name: str | Path) -> Path:
 
 
 def check_prepared(prepared: Prepared, depths: Depths | None = None) -> Report:
-    """``depths``: of the sea floor, where a file of them is given."""
+    """Check a prepared mission. ``depths``: depths of the sea floor, from a file of the user."""
     report = check_mission(prepared.chart, prepared.vehicle, depths)
     return replace(report, refusals=placed(report.refusals, prepared.text, prepared.source))
 
 
 def parameters_of(pairs: Iterable[str]) -> dict[str, str]:
-    """``name=value`` from a command line. Raises Unreadable."""
+    """Parse ``name=value`` pairs of a command line. Raises Unreadable."""
     found = {}
     for pair in pairs:
         name, sign, value = pair.partition("=")
@@ -202,8 +210,10 @@ def parameters_of(pairs: Iterable[str]) -> dict[str, str]:
 
 
 def _unfit(found: Iterable[Diagnostic], vehicle: str) -> Diagnostic:
-    """Why a mission of another vehicle cannot fly on this one: the one reason that matters, which
-    is what the vehicle lacks before what it knows or bears."""
+    """The main reason why a mission for another vehicle cannot fly on this one.
+
+    Reasons in ``_LACKS`` (something that the vehicle lacks) come first, in that order.
+    """
     weight = {code: at for at, code in enumerate(_LACKS)}
     first = min(found, key=lambda d: (weight.get(d.code, len(weight)), d.where.line))
     return replace(first, message=f"not for {vehicle}: {first.message}")

@@ -1,18 +1,18 @@
-"""Files of depths -> one grid of them, north up: ESRI ASCII grids, GeoJSON, tables of soundings.
+"""Read files of depths into one grid, north up: ESRI ASCII grids, GeoJSON, tables of soundings.
 
     BathymetryError   (the author must act: file, line or path, what, what instead)
 
     ESRI ASCII    ncols, nrows, xllcorner or xllcenter, ..., cellsize (or dx and dy), nodata_value
-    GeoJSON       areas with a depth (or drval1 and drval2, as S-57 has them), lines and points with
-                  one, points with a third coordinate
-    table         a first line that names latitude, longitude and depth; without one longitude,
-                  latitude and depth, as .xyz has them
+    GeoJSON       areas with a depth (or drval1 and drval2, as in S-57), lines and points with a
+                  depth, points with a third coordinate
+    table         a first line that names latitude, longitude and depth; without it, the columns
+                  are longitude, latitude and depth, as in .xyz files
 
-Depths are m below the surface; land is negative. A file whose values are negative for the greater
-part has heights, which are turned round. Soundings and areas are gathered into cells; of what lies
-in a cell both the shallowest and the deepest are kept. What no cell knows is nan.
+Depths are m below the surface; land is negative. If most values of a file are negative, they are
+heights, and their sign is changed. Soundings and areas are gathered into cells. Each cell keeps the
+shallowest and the deepest value in it; nan where the file has none.
 
-What does not live here: what lies under a leg (authoring.check.seabed), tides, other datums.
+What does not live here: the sea floor under a leg (authoring.check.seabed), tides, other datums.
 Sources: Esri, "ASCII raster format" (ArcGIS documentation); RFC 7946; IHO S-57, appendix A.
 """
 
@@ -28,7 +28,7 @@ from mission.authoring.bathymetry.soundings import from_table
 __all__ = ["BathymetryError", "Depths", "bathymetry_of", "read_bathymetry"]
 
 MOST_BYTES = 64 << 20
-_OTHERS = {  # how files begin that are not read
+_OTHERS = {  # the first bytes of files that cannot be read here
     b"II*\0": "a GeoTIFF",
     b"MM\0*": "a GeoTIFF",
     b"II+\0": "a GeoTIFF",
@@ -43,7 +43,7 @@ _OTHERS = {  # how files begin that are not read
 
 
 def read_bathymetry(path: Path) -> Depths:
-    """By what is in it. Raises BathymetryError."""
+    """Read a file of depths; its content tells the format. Raises BathymetryError."""
     try:
         with path.open("rb") as file:
             data = file.read(MOST_BYTES + 1)
@@ -60,7 +60,7 @@ def read_bathymetry(path: Path) -> Depths:
 
 
 def bathymetry_of(text: str, source: str) -> Depths:
-    """The same of a text that is at hand; ``source`` is what messages call it."""
+    """Read depths from a text; messages call it ``source``. Raises BathymetryError."""
     beginning = text.lstrip()[:20].lower()
     if beginning.startswith("{"):
         return from_geojson(text, source)

@@ -1,7 +1,7 @@
-"""Soundings and areas of depth into cells: of what lies in one the shallowest and the deepest.
+"""Gather soundings and depth areas into cells: each keeps its shallowest and deepest value.
 
-Soundings: cells of 1.5 times their mean distance, so that those of a regular survey leave no hole.
-Areas: so many cells along the longer side of all of them.
+Soundings: the side of a cell is 1.5 times their mean distance, so that a regular survey leaves no
+empty cells. Areas: ``_FINEST`` cells along the longer side of their extent.
 """
 
 from __future__ import annotations
@@ -24,8 +24,8 @@ from mission.authoring.bathymetry.grid import (
 
 MOST_POINTS = 500_000
 _MOST_CELLS = 4_000_000
-_FINEST = 300  # cells along the longer side of what areas span
-_SPREAD = 1.5  # side of a cell, in mean distances of soundings
+_FINEST = 300  # cells along the longer side of the extent of areas
+_SPREAD = 1.5  # side of a cell, in mean distances between soundings
 
 
 @dataclass(slots=True)
@@ -35,7 +35,7 @@ class Found:
     source: str
     points: list[tuple[float, float, float]] = field(default_factory=list)
     areas: list[tuple[list[list[Corner]], float, float]] = field(default_factory=list)
-    heights: set[bool] = field(default_factory=set)  # whether a name said so; empty: none did
+    heights: set[bool] = field(default_factory=set)  # True: a name says heights; False: depths
 
 
 def gathered(found: Found, what: str) -> Depths:
@@ -73,7 +73,7 @@ def _near(longitude: float, first: float) -> float:
 
 
 def _step(lats: Numbers, lons: Numbers, *, areas: bool) -> tuple[float, float]:
-    """Degrees south and east: square cells on the ground."""
+    """The step in degrees south and east, for cells that are square on the ground."""
     wide = max(math.cos(math.radians(float(lats.mean()))), 0.01)
     sides = (max(float(np.ptp(lats)), 1e-6), max(float(np.ptp(lons)) * wide, 1e-6))
     if areas:
@@ -99,8 +99,8 @@ class _Cells:
         np.maximum.at(self.deep, (rows, columns), depths)
 
     def area(self, rings: list[list[Corner]], one: float, other: float) -> None:
-        """All cells whose middle is in it (even-odd, so that holes are holes), and those on its
-        edge, so that no area is too small or too thin for them."""
+        """Fill all cells whose middle is in the area (even-odd rule, so holes stay empty), and all
+        cells on its edge, so that a small or thin area is not lost."""
         rows, columns = (np.arange(n) for n in self.shallow.shape)
         lat = self.north - rows * self.step[0]
         lon = (self.west + columns * self.step[1])[None, :]
@@ -118,7 +118,7 @@ class _Cells:
         self.deep[odd] = np.maximum(self.deep[odd], max(one, other))
 
     def _along(self, one: Corner, other: Corner) -> tuple[Indices, Indices]:
-        """Rows and columns of the cells that an edge goes through."""
+        """Rows and columns of the cells on an edge."""
         (a, b), (c, d) = (self._cell(*corner) for corner in (one, other))
         share = np.linspace(0.0, 1.0, 2 + math.ceil(4.0 * max(abs(c - a), abs(d - b))))
         last = (n - 1 for n in self.shallow.shape)
@@ -129,5 +129,5 @@ class _Cells:
         return rows, columns
 
     def _cell(self, latitude: float, longitude: float) -> tuple[float, float]:
-        """In cells south and east of the first one's middle."""
+        """The position in cells, south and east of the middle of the first cell."""
         return (self.north - latitude) / self.step[0], (longitude - self.west) / self.step[1]

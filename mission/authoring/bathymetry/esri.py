@@ -74,7 +74,7 @@ def _whole(head: dict[str, float], key: str, source: str) -> int:
 
 
 def _corner(head: dict[str, float], axis: str, cell: float, source: str) -> float:
-    """The middle of the first cell."""
+    """The coordinate of the middle of the lower left cell along an axis, degrees."""
     keys = (f"{axis}llcenter", f"{axis}llcorner")
     value = _key(head, keys, source)
     return value if keys[0] in head else value + cell / 2.0
@@ -96,6 +96,6 @@ def _values(lines: list[str], first: int, shape: tuple[int, int], source: str) -
         return values
     for number, line in enumerate(lines[first:], first + 1):
         for word in line.split():
-            if word.lower() != "nan":  # as some write what is not known
+            if word.lower() != "nan":  # some programs write nan for no data
                 finite(word, f"{source}:{number}")
     raise AssertionError("one of them is no number")

@@ -1,7 +1,7 @@
-"""Depths in GeoJSON: areas with a depth, lines and points with one, points with a third coordinate.
+"""Depths in GeoJSON: areas, lines and points with a depth, points with a third coordinate.
 
-The property is called depth, or as S-57 calls it (drval1 with drval2, valdco, valsou); elevation
-and height are turned round.
+The property is called depth, or as in S-57 (drval1 with drval2, valdco, valsou). The sign of
+elevation and height is changed.
 
 Sources: RFC 7946; IHO S-57, appendix A, chapter 2 (attributes).
 """

@@ -1,6 +1,6 @@
-"""Depths of the sea floor in cells, north up, and what every format of them says of itself.
+"""Depths of the sea floor in a grid, north up, and the checks that all formats share.
 
-What does not live here: the formats (esri, geojson, soundings), their way into cells (cells).
+What does not live here: the formats (esri, geojson, soundings), gathering into cells (cells).
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 Numbers: TypeAlias = NDArray[np.float64]
 Indices = NDArray[np.int_]
 Corner = tuple[float, float]  # deg: latitude, longitude
-DEEPEST = 12_000.0  # m: nothing on Earth is deeper, or higher
+DEEPEST = 12_000.0  # m: no sea on Earth is deeper, and no mountain higher
 
 REPROJECT = "write it in latitudes and longitudes first (gdalwarp -t_srs EPSG:4326)"
 READABLE = (
@@ -27,15 +27,15 @@ CONVERT = "write it as an ESRI ASCII grid first (gdal_translate -of AAIGrid IN O
 
 
 class BathymetryError(ValueError):
-    """The text says where, what, and what instead."""
+    """A file of depths cannot be used; the text has the place, the error and a hint."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Depths:
-    """Cells of ``step`` degrees (south, east) from the middle of the north-western one on.
+    """A grid of cells of ``step`` degrees (south, east).
 
-    ``shallow`` and ``deep`` are m by row and column, nan where nothing is known; ``told`` is how
-    the file was understood.
+    ``north`` and ``west``: the middle of the north-western cell, degrees. ``shallow`` and ``deep``:
+    m by row and column, nan where there is no depth. ``told``: how the file was read, as text.
     """
 
     source: str
@@ -47,8 +47,8 @@ class Depths:
     told: str
 
     def at(self, latitude: float, longitude: float) -> float | None:
-        """m at a place in degrees: between the four cells about it; of a cell alone where not all
-        of them know. None: not known there."""
+        """The depth in m at a place in degrees, interpolated between the four cells around it; that
+        of the nearest cell if one of the four has no depth. None: no depth there."""
         y = (self.north - latitude) / self.step[0]
         x = self._east_of(longitude) / self.step[1]
         if not (self._has(round(y), round(x))):
@@ -65,24 +65,24 @@ class Depths:
         return nearest if math.isnan(between) else between
 
     def box(self, south: float, north: float, west: float, east: float) -> tuple[slice, slice]:
-        """Rows and columns of the cells that touch it, and one more to each side; degrees."""
+        """Rows and columns of the cells that touch a box (degrees), and one more to each side."""
         rows = ((self.north - north) / self.step[0], (self.north - south) / self.step[0])
         left = self._east_of(west) / self.step[1]
         columns = (left, left + (east - west) / self.step[1])
         return _slice(rows, self.shallow.shape[0]), _slice(columns, self.shallow.shape[1])
 
     def middles(self, box: tuple[slice, slice]) -> tuple[Numbers, Numbers]:
-        """Latitudes of those rows, longitudes of those columns, degrees."""
+        """Latitudes of the rows and longitudes of the columns of a box, degrees."""
         rows, columns = (np.arange(part.start, part.stop) for part in box)
         return self.north - rows * self.step[0], self.west + columns * self.step[1]
 
     @property
     def known(self) -> float:
-        """The share of the cells that know a depth."""
+        """The share of the cells that have a depth."""
         return float(np.isfinite(self.shallow).mean())
 
     def _east_of(self, longitude: float) -> float:
-        """Degrees east of the first column, in -180 .. 180 about the middle of the grid."""
+        """Degrees east of the first column; within 180 degrees of the middle of the grid."""
         half = self.step[1] * (self.shallow.shape[1] - 1) / 2.0
         return float(math.remainder(longitude - self.west - half, 360.0) + half)
 
@@ -113,7 +113,8 @@ def made(
     deep: Numbers | None = None,
     heights: bool | None = None,
 ) -> Depths:
-    """``heights`` None: by the sign of the greater part."""
+    """Check the values and make the grid. ``heights``: the values are heights; None: decide by the
+    sign of most values."""
     if not np.isfinite(shallow).any():
         raise BathymetryError(f"{source}: no cell of it knows a depth; is nodata_value right?")
     for values in (shallow, shallow if deep is None else deep):
@@ -135,7 +136,7 @@ def made(
 
 
 def nothing(word: str) -> bool:
-    """Whether it says that none is known (GMT)."""
+    """Whether the word means no data (NaN, as GMT writes it)."""
     return word.lower() == "nan"
 
 

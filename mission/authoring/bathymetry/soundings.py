@@ -1,6 +1,8 @@
-"""Tables of soundings: a first line names latitude, longitude and depth; without one three columns
-without commas are longitude, latitude and depth, as .xyz has them. A depth that is NaN is not known
-(GMT); depths of which none is positive are heights by their sign, whatever the column is called.
+"""Tables of soundings: a first line names latitude, longitude and depth.
+
+Without such a line, three columns without commas are longitude, latitude and depth, as in .xyz
+files. A depth of NaN means no data (GMT). If no value of a column named depth is positive, the sign
+decides whether they are heights.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The check: what is proved of a mission before it is flown, and what refuses it.
+"""The check: prove bounds of a mission before it is flown, and refuse unsafe missions.
 
 from mission.authoring.check import check_mission
 report = check_mission(chart, vehicle)      # report.ok, .refusals, .proved, .assumed

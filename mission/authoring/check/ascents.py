@@ -1,4 +1,4 @@
-"""How long the ascent behind a leg takes, and what of the way it adds: R7, at most.
+"""Upper bounds on the time of the ascent behind a leg, and on the way that it adds (R7).
 
 What does not live here: the bounds of a leg that ascends by itself (bounds.py).
 """
@@ -18,8 +18,8 @@ from mission.navigation.fixes import SETTLED
 
 
 def goes_on(leaving: Bounds, vehicle: Vehicle) -> Bounds:
-    """Continues into an ascent, which begins with W. As built W does not stick: what was asked for
-    last goes on, ahead and upward, until that way of the ascent has ended."""
+    """The bounds when a leg changes into an ascent, which begins with W. As built, W does not last:
+    the previous setpoint continues, ahead and upward, until this way of the ascent has ended."""
     deeper = max(0.0, leaving.depth[1] - OVERSHOOT - leaving.rises_to)
     time = 2.0 * STICKS + deeper / vehicle.ascent_buoyancy
     power = vehicle.thruster_power.at(vehicle.speed_by_gear.inverse(leaving.way))
@@ -34,13 +34,14 @@ def goes_on(leaving: Bounds, vehicle: Vehicle) -> Bounds:
 
 
 def ascent_time(depth: float, vehicle: Vehicle) -> float:
-    """s to the surface and to know it, by buoyancy alone, after both ways of R7."""
+    """s to reach the surface and to prove it, by buoyancy alone, after both other ways of R7."""
     return ASCENT_TRIES + max(0.0, depth) / vehicle.ascent_buoyancy + SURFACED
 
 
 def dark_time(vehicle: Vehicle) -> float:
-    """Without a depth fixes prove the surface, after the way from its own depth (R7); a vehicle
-    without a receiver never knows it."""
+    """s more if no depth is believed: fixes prove the surface only after the rise from the greatest
+    depth of the vehicle (R7). 0 for a vehicle that reports no depth. A vehicle without a receiver
+    never proves the surface in this way."""
     if "depth" not in vehicle.reports:
         return 0.0
     return vehicle.limits.depth / vehicle.ascent_buoyancy + SETTLED

@@ -1,4 +1,4 @@
-"""The worst that the check assumes of sea and vehicle, and the constants behind it."""
+"""The worst case that the check assumes for sea and vehicle, and its constants."""
 
 from __future__ import annotations
 
@@ -26,25 +26,25 @@ from protocol.messages import Setpoint
 TWO_SIGMA = 2.0
 SPEED_SHARE = 0.2  # two sigma of the thruster model, as a share of the speed
 OVERSHOOT = 1.0  # m beyond a depth that is held; R5 acts at 1 m beyond
-FROZEN = 10.0  # s until a reading is known to be frozen: five reports alike, 2 s apart
+FROZEN = 10.0  # s until a reading is known to be frozen: five equal reports, 2 s apart
 LATE = 8.0  # s until a change of depth is known: one report (2 s) after 6 s without
-TURNED = 3.0  # s until thrusters and buoyancy have turned a dive round
-STICKS = 10.0  # s that a descent may go on after it was ended: as built, W does not stick (R7)
+TURNED = 3.0  # s until thrusters and buoyancy have reversed a dive
+STICKS = 10.0  # s that a descent may continue after it was ended: as built, W does not last (R7)
 ASCENT_TRIES = 20.0  # s: W and X0 with U12, 10 s each, until the better is known (R7)
-SURFACED = 8.0  # s: depth below 0.5 m for 6 s, and the report that says so (R7)
+SURFACED = 8.0  # s: depth below 0.5 m for 6 s, and the report that shows it (R7)
 
 
 @dataclass(frozen=True, slots=True)
 class Assumptions:
-    """SI; from the mission's ``assume`` or the vehicle file."""
+    """The assumptions in SI, from the mission's ``assume`` or the vehicle file."""
 
     current: float
     start: float
     depth: float  # m, at the start (R7)
-    floor: float  # m, the deepest there is; where none is assumed, the depth allowed
-    depth_without_floor: float  # m, up to which an altitude hold is bounded by clocks alone
+    floor: float  # m, the deepest sea floor; the depth allowed if none is assumed
+    depth_without_floor: float  # m, up to which clocks alone bound an altitude hold
     heading: float  # rad, two sigma
-    declination: float  # rad, at home: a heading that is held is the compass's
+    declination: float  # rad, at home: a heading hold follows the compass
 
     @staticmethod
     def of(mission: Mission, vehicle: Vehicle, allowed: float) -> Assumptions:
@@ -63,7 +63,7 @@ class Assumptions:
 
 
 def _declination(mission: Mission, vehicle: Vehicle) -> float:
-    """rad; where home is not known, all directions turn alike and it does not matter."""
+    """rad; 0 if home is not known: then all directions turn by the same angle, without effect."""
     if vehicle.declination is not None or mission.home is None:
         return vehicle.declination or 0.0
     home = mission.home
@@ -71,7 +71,7 @@ def _declination(mission: Mission, vehicle: Vehicle) -> float:
 
 
 def told(chart: Chart, vehicle: Vehicle, assume: Assumptions, floor: bool) -> Iterator[str]:
-    """A line each, for the report; ``floor``: a bound rests on the floor that is assumed."""
+    """The assumptions as lines of the report; ``floor``: a bound uses the assumed floor."""
     given = dict(chart.mission.assume)
     source = "the mission" if "current" in given else "the vehicle file"
     yield f"current at most {assume.current:g} m/s ({source})"
@@ -92,8 +92,8 @@ def told(chart: Chart, vehicle: Vehicle, assume: Assumptions, floor: bool) -> It
 
 
 def too_fast(chart: Chart, vehicle: Vehicle) -> Iterator[str]:
-    """Trends over less depth than a dive makes from one report to the next: the report before is
-    always out of reach, and nothing is known while it dives."""
+    """Report trends over less depth than a dive makes between two reports: the report before is
+    then never within the window, and the trend is unknown during the dive."""
     least = vehicle.dive_rate * vehicle.sensors.telemetry_period
     asked: dict[Trend, dict[str, None]] = {}
     for edge in chart.edges:
@@ -110,7 +110,8 @@ def too_fast(chart: Chart, vehicle: Vehicle) -> Iterator[str]:
 
 
 def _off(mission: Mission, vehicle: Vehicle) -> Iterator[str]:
-    """Limits that can never act, by why (R5): somebody else has to watch for them."""
+    """Report the limits that can never act on this vehicle, with the reason (R5): somebody else
+    has to watch for them."""
     off: dict[str, list[str]] = {}
     for row in LIMITS.values():
         if why := row.disarmed(vehicle):
@@ -121,7 +122,7 @@ def _off(mission: Mission, vehicle: Vehicle) -> Iterator[str]:
 
 
 def _constant(chart: Chart, vehicle: Vehicle) -> Iterator[str]:
-    """What is asked of readings that never change: it is so from the start on, or never."""
+    """Report guards on readings that never change: they are true from the start on, or never."""
     guards = (edge.guard for edge in chart.edges if edge.guard is not None)
     asked = (name for guard in guards for term in terms(guard.expression) for name in term.asks)
     names = [name for name in dict.fromkeys(asked) if "battery" in _source(name)]
@@ -146,7 +147,8 @@ def _kept_clear(chart: Chart, vehicle: Vehicle) -> Iterator[str]:
 
 
 def not_clear(chart: Chart, vehicle: Vehicle) -> Iterator[tuple[str, str]]:
-    """Path and message of legs kept above a floor that leaves no depth to hold."""
+    """Path and message of legs with a least altitude for which the assumed floor leaves no depth
+    to hold."""
     for path, held, blind in _blind(chart, vehicle):
         if blind <= 0.0:
             message = (
@@ -157,7 +159,8 @@ def not_clear(chart: Chart, vehicle: Vehicle) -> Iterator[tuple[str, str]]:
 
 
 def _blind(chart: Chart, vehicle: Vehicle) -> Iterator[tuple[str, Setpoint, float]]:
-    """Legs with a depth that is kept above the bottom, and what each holds without an altitude."""
+    """Legs with a depth and a least altitude: path, setpoint, and the depth in m that each holds
+    without an altitude."""
     clearance = Clearance.of(chart.mission, vehicle)
     for state in chart.states:
         held = state.setpoint
@@ -166,7 +169,7 @@ def _blind(chart: Chart, vehicle: Vehicle) -> Iterator[tuple[str, Setpoint, floa
 
 
 def _stated_rounding(chart: Chart, vehicle: Vehicle) -> Iterator[str]:
-    """What is held between the vehicle's steps, and is lost in its sensor's noise."""
+    """Report values between the vehicle's steps whose rounding is below the sensor's noise."""
     legs = (
         (s.leg, s.setpoint)
         for s in chart.states

@@ -1,18 +1,17 @@
-"""What one leg can do at most: bounds on time, energy, place, depth and error.
+"""Bounds of one leg: on time, energy, place, depth and error.
 
-``Bounds`` holds of every flight that reaches a place in the mission. The vehicle means to be in
-the box ``north`` x ``east``; the truth is within ``error`` of that, and never farther than
-``range`` from home. A speed scale and a compass bias are constant, so they act on the way made
-good since the last fix, not on the path; the current acts on the time, the compass's deviation on
-the path. ``LegBounds`` turns the bounds on entering a leg into those on leaving it, by the way it
-is left. Where a clock, a depth that ends the leg (a vehicle that does not know its depth
-surfaces) or a place that is steered to bounds it, that is used; any other guard may open at any
-time.
+``Bounds`` holds for every flight that reaches a place in the mission. The intended position is in
+the box ``north`` x ``east``; the true position is within ``error`` of it, and never farther than
+``range`` from home. A speed scale and a compass bias are constant, so they act on the way made good
+since the last fix, not on the path. The current acts on the time, the compass's deviation on the
+path. ``LegBounds`` turns the bounds on entering a leg into those on leaving it, for each way to
+leave. It uses as bounds the clocks, a depth that ends the leg (a vehicle that does not know its
+depth surfaces) and places that the leg steers to; any other guard may open at any time.
 
-What the sea and the vehicle are taken to do at most stands in ``Assumptions``.
+``Assumptions`` has the worst case for the sea and the vehicle.
 
-What does not live here: where a leg leads by its text (places.py), which leg follows which
-(flow.py), what is refused (rules.py).
+What does not live here: where a leg leads by its text (places.py), the order of legs (flow.py),
+what is refused (rules.py).
 """
 
 from __future__ import annotations
@@ -57,7 +56,7 @@ _AFLOAT: Interval = (0.0, 0.5)  # m (R7)
 
 @dataclass(frozen=True, slots=True)
 class Trail:
-    """How a worst figure came about: the last leg, how it was left, and the trail before it."""
+    """The way to a worst-case figure: the last leg, how it was left, and the trail before it."""
 
     leg: str
     by: By
@@ -67,29 +66,29 @@ class Trail:
 
 
 class Bounds(NamedTuple):
-    """A tuple, because five are made for every leg that is walked."""
+    """Bounds at a moment of the mission. A tuple for speed: five are made for each leg walked."""
 
     time: float  # s since the start, at most
     energy: float  # J used, at most
-    north: Interval  # m from home, where it means to be
+    north: Interval  # m from home, intended position
     east: Interval
-    depth: Interval
-    range: float  # m from home, the truth
-    error: float  # m, of what it means to be against the truth
-    fixed_north: Interval  # where it was at the last fix
+    depth: Interval  # m
+    range: float  # m from home, true
+    error: float  # m, true against intended position
+    fixed_north: Interval  # m from home, at the last fix
     fixed_east: Interval
-    made_north: Interval  # made good since then
+    made_north: Interval  # m made good since the last fix
     made_east: Interval
-    since: float = 0.0  # s since then
-    path: float = 0.0  # m through the water since then
-    fastest: float = 0.0  # m/s through the water since then
-    strayed: float = 0.0  # m since then, to any side of where it means to be
-    way: float = 0.0  # m/s through the water that was asked for last
-    ahead: float = math.inf  # m from home, the place that it steers to; inf where it does not
-    rises_to: float = math.inf  # m deep: what was asked for last lets it rise so far
-    blind: float = 0.0  # m deep at most, the truth, where the sensor of a hold fails unseen
-    trail: Trail | None = None  # of the time
-    spent: Trail | None = None  # of the energy
+    since: float = 0.0  # s since the last fix
+    path: float = 0.0  # m through the water since the last fix
+    fastest: float = 0.0  # m/s through the water since the last fix
+    strayed: float = 0.0  # m since the last fix, to any side of the intended position
+    way: float = 0.0  # m/s through the water by the last setpoint
+    ahead: float = math.inf  # m from home of the place it steers to; inf if there is none
+    rises_to: float = math.inf  # m deep: the last setpoint lets the vehicle rise to here
+    blind: float = 0.0  # m, greatest true depth if the sensor of a hold fails unnoticed
+    trail: Trail | None = None  # the way with the greatest time
+    spent: Trail | None = None  # the way with the greatest energy
 
     @staticmethod
     def start(within: float, fix: float, depth: float) -> Bounds:
@@ -124,7 +123,7 @@ class Bounds(NamedTuple):
 
 
 class LegBounds:
-    """One leg of the chart on one vehicle; made once, applied to every way it is entered."""
+    """The bounds of one leg on one vehicle; made once, used for every way to enter the leg."""
 
     def __init__(
         self, state: State, vehicle: Vehicle, assume: Assumptions, frame: LocalFrame | None
@@ -140,18 +139,18 @@ class LegBounds:
         self.power = vehicle.battery.hotel + vehicle.thruster_power.at(gear) + self._vertical()
         self.places = places_of(self.leg.kind, frame)
         self.ascends = self.row.ascends
-        self.depths = self.row.depths(self.leg.kind)  # m, those it may steer to itself
+        self.depths = self.row.depths(self.leg.kind)  # m, depths that the leg may steer to itself
         self.dives = Axis.VERTICAL in self.row.steers and not self.ascends
         self.nose_down = self._nose_down()
-        self.holds = self.nose_down <= vehicle.ascent_buoyancy  # a hold: it lets go, and is lifted
+        self.holds = self.nose_down <= vehicle.ascent_buoyancy  # buoyancy can lift it to its hold
         self.sinks = self._sinks()
-        self.leans_on_floor = False  # some bound of it rests on the floor that is assumed
+        self.leans_on_floor = False  # some bound uses the assumed floor
 
-    # --- what it takes -----------------------------------------------------------------
+    # --- time, power, rates ------------------------------------------------------------
 
     @property
     def duration(self) -> float:
-        """s at most in this leg: whatever it waits for may be withheld, but not its clock."""
+        """Greatest s in this leg: the events that it waits for may never come; its clock does."""
         leg = self.leg
         limits = [t for t in (leg.duration, leg.timeout) if t is not None]
         for way in leg.exits:
@@ -167,13 +166,13 @@ class LegBounds:
         return self.vehicle.battery.vertical if active else 0.0
 
     def _nose_down(self) -> float:
-        """m/s at which its way along the bow may lead down, at most; negative: up."""
+        """Greatest m/s downward by the way along the bow; negative: upward."""
         s = self.setpoint
         along = math.copysign(self.speed * (1.0 + SPEED_SHARE), s.surge)
         return -along * math.sin(s.pitch or 0.0)
 
     def _sinks(self) -> float:
-        """m/s at most: by its verticals and its way; without them, against its buoyancy."""
+        """Greatest m/s downward: by verticals and way; without verticals, way less buoyancy."""
         s, lifts = self.setpoint, self.vehicle.ascent_buoyancy
         held = s.depth is not None or s.altitude is not None or self.dives
         pushes = held or (s.heave is not None and s.heave > 0)
@@ -183,7 +182,7 @@ class LegBounds:
     # --- from entry to exit ----------------------------------------------------------------
 
     def sweep(self, entry: Bounds) -> Bounds:
-        """The bounds of every moment of the leg, not only of its end."""
+        """The bounds at every moment of the leg, not only at its end."""
         after = self.leave(entry, By.ON)
         return after._replace(
             north=hull(entry.north, after.north),
@@ -217,7 +216,7 @@ class LegBounds:
         return self._held(after, time, by, guard)
 
     def _rises_to(self) -> float:
-        """m deep: how far up its buoyancy, or its way, may carry it while its set is in force."""
+        """m deep: the depth to which buoyancy or way may lift it while its set is in force."""
         s = self.setpoint
         if self.nose_down < 0.0:
             return 0.0
@@ -228,12 +227,12 @@ class LegBounds:
         return math.inf if s.heave is not None and s.heave > 0 else 0.0
 
     def _error(self, at: Bounds) -> float:
-        """Two sigma; the speed scale acts along the way made good, the bias across it."""
+        """m, two sigma; the speed scale acts along the way made good, the bias across it."""
         sensors = self.vehicle.sensors
         made = reach(at.made_north, at.made_east)
         constant = math.hypot(SPEED_SHARE, TWO_SIGMA * sensors.heading_bias)
         drift = self.assume.current * at.since
-        lost = at.fastest * min(at.since, FROZEN + LATE)  # without a compass, until that is known
+        lost = at.fastest * min(at.since, FROZEN + LATE)  # the compass fails, until that is known
         noise = TWO_SIGMA * sensors.fix + at.path * sensors.heading
         return noise + made * constant + at.strayed + lost + drift
 
@@ -283,8 +282,8 @@ class LegBounds:
         return 0.0, max(high, deepest)
 
     def blind(self, entry: Bounds) -> float:
-        """m at most if the sensor that a hold goes by fails: it pushes down until that is known,
-        and until the ascent has turned the dive round."""
+        """Greatest depth in m if the sensor of a hold fails: the hold pushes down until the failure
+        is known and the ascent has reversed the dive."""
         deepest = max(self._depth(entry, self.duration)[1], entry.blind)
         if not self.sinks:
             return deepest
@@ -292,8 +291,8 @@ class LegBounds:
         return self._above_floor(deepest, deepest + self.sinks * failed)
 
     def _blind(self, entry: Bounds, time: float) -> float:
-        """Near the depth that is asked for nothing can see that a reading stands: a hold then
-        pushes down for as long as it lasts, and the next one goes on from there."""
+        """``blind`` at the end of the leg. Near the commanded depth nothing detects a frozen
+        reading: the hold pushes down until the leg ends, and the next hold starts from there."""
         if not self.sinks:
             return entry.blind
         deepest = max(entry.blind, self._depth(entry, time)[1])
@@ -301,23 +300,23 @@ class LegBounds:
 
     @property
     def holds_depth(self) -> bool:
-        """It goes down to where it is told, whatever the floor is there."""
+        """Whether it goes down to a commanded depth, whatever the floor is there."""
         clears = self.holds and self.setpoint.altitude is not None
         return self.sinks > 0.0 and not self.ascends and not clears
 
     @property
     def least_floor(self) -> float:
-        """m of water that a set by altitude needs to have a depth to hold; 0 without one."""
+        """m of water that a set with an altitude needs to have a depth to hold; else 0."""
         step = step_of(self.vehicle) if is_guarded(self.setpoint) else 0.0
         return step + (self.setpoint.altitude or 0.0)
 
     def _above_floor(self, deepest: float, deeper: float) -> float:
-        """``deeper``, but not below the floor where the mission says how deep that is."""
+        """``deeper``, but not below the floor if the mission assumes one."""
         floor = math.inf if self.assume.depth_without_floor else self.assume.floor
         return max(deepest, min(deeper, floor))
 
     def _held(self, after: Bounds, time: float, by: By, guard: Expression | None) -> Bounds:
-        """Along a heading, or about where it was entered."""
+        """Leave a leg without places: along a heading, or around the place of entry."""
         around, heading = self.row.room(self.leg.kind), self.setpoint.heading
         if around or (self.speed and heading is None):
             free = around + self.row.within(self.leg.kind) if around else self.speed * time
@@ -328,7 +327,7 @@ class LegBounds:
             bow = heading + self.assume.declination
             bow += 0.0 if self.setpoint.surge > 0 else math.pi
             along = self._along(time, by, guard)
-            # until the bow has come round it may go any way, for half a turn at most
+            # until the bow has turned, it may move in any direction; half a turn at most
             turning = self.speed * min(time, math.pi / 2.0 / self.vehicle.turn_rate)
             north = grown(scaled(along, math.cos(bow)), turning)
             east = grown(scaled(along, math.sin(bow)), turning)
@@ -340,21 +339,21 @@ class LegBounds:
         )
         error = self._error(moved)
         swum = self.speed * (1.0 + SPEED_SHARE) * time + self.assume.current * time
-        about = free + error if around else math.inf  # by the estimate, about where it was entered
+        about = free + error if around else math.inf  # by the estimate, around the place of entry
         farthest = min(after.range + min(swum, about), reach(moved.north, moved.east) + error)
         return moved._replace(error=error, range=farthest)
 
     def _along(self, time: float, by: By, guard: Expression | None) -> Interval:
-        """How far through the water along its heading, when the leg is left in this way."""
+        """m through the water along the heading, if the leg is left by ``by``."""
         most = self.speed * time
         if by in (By.TIMEOUT, By.FOR):
             return self.level * time, most
         travelled = least(guard, "travelled") if by is By.UNTIL and guard is not None else 0.0
-        # travelled counts over ground: a following current makes it of less water
+        # travelled counts over ground: a following current leaves less way through the water
         return min(most, travelled * self.speed / (self.speed + self.assume.current)), most
 
     def _steered(self, entry: Bounds, after: Bounds, time: float, by: By) -> Bounds:
-        """To places, by the estimate: the truth is where it means to be, within the error.
+        """Leave a leg to places, steered by the estimate: the true position is within the error.
 
         On a straight way the distance from home is greatest at one of its ends.
         """
@@ -390,7 +389,7 @@ class LegBounds:
         return there._replace(error=error, ahead=after.ahead + error)
 
     def _share_of_way(self, entry: Bounds, time: float) -> float:
-        """Of the straight way to the only place, how much is made for sure by ``time``."""
+        """The share of the straight way to a single place that is certainly made in ``time``."""
         if len(self.places) != 1:
             return 1.0
         north, east = self.places[0]

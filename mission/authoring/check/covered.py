@@ -1,8 +1,8 @@
-"""The share of an area that rows are expected to see, from how sure their places are.
+"""The share of an area that rows are expected to see, from the uncertainty of their positions.
 
-About each row lies its own strip, as wide as the spacing. A place of it is seen with the chance
-that a row is near enough, its own or a neighbour's; their errors are taken to be independent. What
-of a polygon lies in no strip (beyond the slanting end of a row) is taken to be missed.
+Around each row lies its own strip, as wide as the spacing. A point of it is seen with the
+probability that a row passes near enough: its own or a neighbour's, with independent errors. The
+part of a polygon in no strip (beyond the slanting end of a row) counts as not seen.
 """
 
 from __future__ import annotations
@@ -14,16 +14,16 @@ from mission.legs.pattern import Pattern, Span
 from mission.navigation.distribution import below
 from mission.navigation.polygons import inside
 
-PIECES = 6  # of a row
-_ACROSS = 9  # places looked at across the spacing
-_GRID = 60  # places along each side of an area that is no rectangle
+PIECES = 6  # pieces of a row
+_ACROSS = 9  # points sampled across the spacing
+_GRID = 60  # points sampled along each side of an area that is no rectangle
 
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """One row as expected: ``across`` are sigmas of the place across it, in its pieces from the
-    beginning of the area on; ``ends`` the m that are missed of its length; ``error`` the radius
-    that 95 % of dives stay within at its end, m."""
+    """The expectation for one row. ``across``: sigma in m of the position across the row, for each
+    piece from the beginning of the area on. ``ends``: m missed of its length. ``error``: radius in
+    m that contains 95 % of dives at its end."""
 
     across: tuple[float, ...]
     ends: float
@@ -32,21 +32,21 @@ class Row:
 
 @dataclass(frozen=True, slots=True)
 class _Strip:
-    """A row where it is meant to be, in the frame of the area."""
+    """A row at its planned place, in the frame of the area."""
 
     span: Span
     off: float
     row: Row
 
     def sigma(self, along: float) -> float | None:
-        """m across the row at a place beside it; None where it does not reach."""
+        """Sigma in m across the row, at ``along``; None if the row does not reach there."""
         low, high = self.span
         piece = int((along - low) / (high - low) * PIECES)
         return self.row.across[piece] if 0 <= piece < PIECES else None
 
 
 def covered(pattern: Pattern, rows: Sequence[Row]) -> float:
-    """On average; ``rows`` as the pattern has them."""
+    """The mean share of the area that is seen; ``rows`` in the order of the pattern."""
     strips = list(_strips(pattern, rows))
     seen = wide = 0.0
     for strip in strips:
@@ -67,7 +67,7 @@ def _strips(pattern: Pattern, rows: Sequence[Row]) -> Iterator[_Strip]:
 
 
 def _seen_about(strip: _Strip, near: Sequence[_Strip], width: Span, swath: float) -> float:
-    """The share seen of the strip between so many m across from its row."""
+    """The share that is seen of the part of a strip whose distance from its row is in ``width``."""
     total, (low, high), half = 0.0, width, swath / 2.0
     begin, end = strip.span
     for step in range(_ACROSS):

@@ -1,10 +1,10 @@
-"""Whether a leg, and the ascent from anywhere in it, may break an area of the mission.
+"""Whether a leg, or the ascent from anywhere in it, may break an area of the mission.
 
     keep out   the swept path, widened by the error, may touch it at a depth at which it counts
-    keep in    it is not surely within one that counts at all depths of the leg
+    keep in    the path is not surely within one that counts at all depths of the leg
 
-A leg sweeps the convex hull of where it means to be; the truth is within the error of that. From
-any place in it a limit may begin an ascent, which drifts and passes all depths up to the surface.
+A leg sweeps the convex hull of its intended positions; the true position is within the error of it.
+At any place in it a limit may begin an ascent, which drifts and passes all depths to the surface.
 
 What does not live here: the bounds of a leg (bounds.py), the engine's own judgement (engine.areas).
 """
@@ -29,7 +29,8 @@ from mission.navigation.polygons import fault, gap, hull, inside
 
 @dataclass(frozen=True, slots=True)
 class Swept:
-    """m from home: the hull of where it means to be, and how far off that the truth may be."""
+    """The hull of the intended positions in m from home, and the greatest distance (``margin``, m)
+    of the true position from it."""
 
     body: tuple[Point, ...]
     margin: float
@@ -38,8 +39,8 @@ class Swept:
 
 @dataclass(frozen=True, slots=True)
 class Broken:
-    """The first leg that may break an area: ``where`` a place of it, ``near`` how far (m) from
-    the swept path; ``ascent``: not the leg itself, but a way up from it."""
+    """The first leg that may break an area. ``where``: a place of the area. ``near``: its distance
+    from the swept path, m. ``ascent``: not the leg itself, but an ascent from it breaks it."""
 
     path: str
     fence: Fence
@@ -50,7 +51,7 @@ class Broken:
 
 
 def fenced(mission: Mission) -> tuple[Fence, ...]:
-    """The mission's areas in m from home; without a home, those that say their corners so."""
+    """The mission's areas in m from home. Without a home, only corners given in m are right."""
     frame = LocalFrame(mission.home) if mission.home is not None else None
     return tuple(
         Fence(area, tuple(local_of(corner, frame) for corner in area.corners))
@@ -59,7 +60,7 @@ def fenced(mission: Mission) -> tuple[Fence, ...]:
 
 
 def area_faults(mission: Mission) -> Iterator[tuple[Where, str, str]]:
-    """Where, what and what instead, of areas that are none."""
+    """Place, message and hint for each area that is no valid polygon."""
     for fence in fenced(mission):
         area = fence.area
         far = any(isinstance(corner, Position) for corner in area.corners)
@@ -78,7 +79,8 @@ def area_faults(mission: Mission) -> Iterator[tuple[Where, str, str]]:
 
 
 def swept(leg: LegBounds, entry: Bounds, sweep: Bounds) -> Swept:
-    """While it is active: straight between boxes and places, but for a turn at its beginning."""
+    """What an active leg sweeps: straight ways between its entry and its places or end, with a
+    margin for the error and for the turn at its beginning."""
     turning = leg.speed * math.pi / leg.vehicle.turn_rate / 2.0 if leg.speed else 0.0
     margin = sweep.error + turning + leg.row.within(leg.leg.kind)
     ahead = leg.places or _corners(sweep.north, sweep.east)
@@ -90,7 +92,8 @@ def _corners(north: Interval, east: Interval) -> Iterator[Point]:
 
 
 def broken(path: str, fences: Sequence[Fence], leg: Swept, drift: float) -> Broken | None:
-    """``drift``: m that an ascent from there goes on, to any side."""
+    """The area that the leg, or else an ascent from it, may break. ``drift``: m that the ascent
+    moves to any side."""
     if not fences:
         return None
     up = Swept(leg.body, leg.margin + drift, (0.0, leg.depth[1]))
@@ -129,14 +132,14 @@ def _in(fences: Iterable[Fence], leg: Swept) -> _Found | None:
 
 
 def _apart(body: Sequence[Point], polygon: Sequence[Point]) -> float:
-    """m; 0 where one is within the other."""
+    """The distance in m; 0 if one is within the other."""
     if inside(polygon, body[0]) or (len(body) > 2 and inside(body, polygon[0])):
         return 0.0
     return gap(body, polygon)
 
 
 def words(found: Broken, name: str) -> str:
-    """The refusal's message."""
+    """The message of the refusal."""
     who = f"the ascent from {name}" if found.ascent else name
     place = f"north {number(round(found.where[0]))} east {number(round(found.where[1]))}"
     reach = f"with current and uncertainty {found.margin:.0f} m to any side"

@@ -1,12 +1,12 @@
-"""Every way through the chart, with the bounds that hold on it.
+"""Walk every way through the chart, with the bounds that hold on it.
 
-The tree is walked scope by scope: a group's body in its order, as many rounds as it repeats,
-each leg entered with the join of all ways into it. An edge forward in its scope, or out of it,
-is followed; one backward that is not the round of a group could be taken without end, and is
-reported. ``on`` handlers act once each (a second time the engine surfaces), so the whole is
-walked again from their targets, as many times as there are handlers that lead on, with what the
-walk before handed over. From every leg, at any moment of it, a limit or a handler may end the
-mission: the ascent from there counts.
+- The walk goes scope by scope: the body of a group in its order, for each of its rounds. Each leg
+  is entered with the join of the bounds of all ways into it.
+- Edges forward in their scope, or out of it, are followed. A backward edge that is not the round of
+  a group could be taken without end, and is reported.
+- ``on`` handlers act once each (a second time the engine surfaces). So the chart is walked again
+  from their targets, with the bounds found there, once for each handler that leads to a leg.
+- At any moment of a leg a limit or a handler may end the mission: the ascent from there counts.
 
 What does not live here: what a leg does to the bounds (bounds.py), what is refused (rules.py).
 """
@@ -26,8 +26,8 @@ from mission.engine.areas import Fence
 from mission.model import AUTONOMOUS, IMPLICIT_SURFACE, By, Chart, Edge, Loop, State
 from mission.model.vehicle import Vehicle
 
-# Legs walked at most; a mission beyond is refused as too long to prove. The Pi judges what is
-# uploaded between two looks at its links: a second or two there is all that it may take.
+# Most legs that are walked; a longer mission is refused. The Pi checks an upload between two polls
+# of its links, so the check may take only a second or two there.
 ROUNDS = 5_000
 
 K = TypeVar("K")
@@ -35,22 +35,22 @@ Exits = dict[tuple[str, tuple[Loop, ...]], Bounds]
 
 
 class TooLongError(Exception):
-    """More rounds than can be walked."""
+    """The mission needs more than ``ROUNDS`` legs to be walked."""
 
 
 @dataclass(slots=True)
 class Proof:
-    """What the walk found: the worst of each figure with its bounds, and what it came upon."""
+    """The results of the walk: the worst of each figure with its bounds, and what was reached."""
 
-    end: Bounds | None = None  # where the mission's own ways lead
-    worst: Bounds | None = None  # the same, and every ascent that a limit may begin
-    widest: float = 0.0
-    deepest: float = 0.0
-    blind: float = 0.0  # the same if the sensor that a hold goes by fails
-    out_of_radius: tuple[str, Bounds] | None = None  # the first leg in which it may be
+    end: Bounds | None = None  # at the end of the mission, by its own ways
+    worst: Bounds | None = None  # the same, and after every ascent that a limit may begin
+    widest: float = 0.0  # m from home
+    deepest: float = 0.0  # m
+    blind: float = 0.0  # m deep if the sensor of a hold fails
+    out_of_radius: tuple[str, Bounds] | None = None  # the first leg that may leave the radius
     out_of_depth: tuple[str, Bounds] | None = None
     breaks: Broken | None = None  # the first leg that may break an area
-    over: dict[str, Over] = field(default_factory=dict)  # what legs sweep, where that is asked for
+    over: dict[str, Over] = field(default_factory=dict)  # what legs sweep, if requested
     reached: set[str] = field(default_factory=set)
     taken: set[str] = field(default_factory=set)
     backward: dict[str, Edge] = field(default_factory=dict)
@@ -70,8 +70,8 @@ class Flow:
         fences: tuple[Fence, ...] = (),
         sweeps: bool = False,
     ) -> None:
-        """``radius`` and ``depth`` in m: the first leg that may be beyond them is kept, and the
-        first that may break one of the ``fences``. ``sweeps``: what legs sweep is kept, too."""
+        """``radius`` and ``depth``, in m: the proof records the first leg that may exceed them, and
+        the first that may break one of the ``fences``. ``sweeps``: also record what legs sweep."""
         self.chart, self.vehicle, self.assume = chart, vehicle, assume
         self.radius, self.depth, self.fences, self.sweeps = radius, depth, fences, sweeps
         self.proof = Proof()
@@ -107,7 +107,7 @@ class Flow:
     # --- one scope -----------------------------------------------------------------------
 
     def _scope(self, path: str, entries: dict[str, Bounds], above: tuple[str, ...]) -> Exits:
-        """The bounds with which a group is left, by target and by what is yet to be tested."""
+        """The bounds on leaving a scope, by target and by the loops that outer scopes must test."""
         group = self.state[path].group if path in self.state else None
         rounds = group.repeat if group else 1
         out: Exits = {}
@@ -143,11 +143,11 @@ class Flow:
         again: dict[str, Bounds],
         out: Exits,
     ) -> None:
-        """Put one way onward where it belongs: this round, the next, or out of the scope."""
+        """Assign one way to this round, the next round, or the exits of the scope."""
         mine = [loop for loop in loops if loop.group == path]
         rest = tuple(loop for loop in loops if loop.group != path)
         for loop in mine:
-            # a group that was entered by a handler may be in any of its rounds
+            # a group that a handler has entered may be in any of its rounds
             if loop.again is last and not (self._interrupted and not loop.again):
                 return
         if not self._inside(path, target) or any(loop.again for loop in rest):
@@ -221,13 +221,13 @@ class Flow:
         return goes_on(bounds, self.vehicle) if ascends else bounds
 
     def _arrive(self, path: str, bounds: Bounds) -> None:
-        """The implicit leg: the ascent, and with it the end."""
+        """Record the implicit leg: the ascent that ends the mission."""
         self.proof.reached.add(path)
         end = self._surface(path, bounds)
         self.proof.end = end if self.proof.end is None else self.proof.end.join(end)
 
     def _surface(self, path: str, bounds: Bounds) -> Bounds:
-        """At the surface, from anywhere in these bounds: a limit may act at any moment."""
+        """Record an ascent from these bounds (a limit may act at any moment); return its end."""
         time = ascent_time(bounds.depth[1], self.vehicle)
         drift = self.assume.current * time
         battery = self.vehicle.battery
@@ -262,7 +262,7 @@ def _merge(table: dict[K, Bounds], key: K, bounds: Bounds) -> None:
 
 
 def trail(last: Trail | None) -> Iterable[Trail]:
-    """From the start on."""
+    """The steps of a trail from the start on."""
     steps = []
     at = last
     while at is not None:

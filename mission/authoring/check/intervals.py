@@ -1,4 +1,4 @@
-"""Intervals, and what a guard says of a variable whose rise opens it."""
+"""Intervals, and the values at which the rise of a variable opens a guard."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def scaled(a: Interval, k: float) -> Interval:
 
 
 def opens_at(expression: Expression, variable: str) -> float | None:
-    """The least bound at which ``variable`` rising above it alone opens the guard, or None."""
+    """The value at which the rise of ``variable`` alone opens the guard; None if none does."""
     match expression:
         case Comparison(name, operator, bound, None) if name == variable and operator in (
             ">",
@@ -60,7 +60,7 @@ def opens_at(expression: Expression, variable: str) -> float | None:
 
 
 def least(expression: Expression, variable: str) -> float:
-    """What ``variable`` has reached at least when the guard opens (0 if that is not said)."""
+    """The least value of ``variable`` when the guard opens; 0 if the guard does not tell."""
     match expression:
         case Comparison(name, operator, bound, _) if name == variable and operator in (">", ">="):
             return bound

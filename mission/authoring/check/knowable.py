@@ -1,6 +1,6 @@
-"""Whether a guard can ever be decided: by what the vehicle reports, and by the leg before.
+"""Refuse guards that can never be decided, by the vehicle's reports or for want of a leg before.
 
-What does not live here: guards of one term that no believable reading opens (compiler).
+What does not live here: single comparisons that no believable reading opens (compiler).
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from mission.model.vehicle import Vehicle
 
 
 def _known(guard: Guard | Expression, vehicle: Vehicle) -> bool:
-    """Whether this vehicle's readings can decide the guard (of an ``or``, one side is enough)."""
+    """Whether the vehicle's readings can decide the guard (for ``or``, one side is enough)."""
     match guard:
         case Guard(expression):
             return _known(expression, vehicle)

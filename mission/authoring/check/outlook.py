@@ -1,22 +1,22 @@
-"""What the legs of a mission are expected to achieve: a covariance carried along the planned way.
+"""Predict what the legs of a mission achieve: propagate a covariance along the planned way.
 
-    x = north, east | current north, east | speed scale | compass error: lasting, over the heading
-        (sin, cos), wandering                      each with the sigma that the estimate believes
+    x = north, east | current north, east | speed scale | compass error: constant, by the heading
+        (sin, cos), wandering                      each with the sigma that the estimate assumes
 
     leg       d(north, east) = t current + scale w + (error) w turned by 90 deg, w through the water
-    fix       place and speed over ground are observed, and with them what made the error since the
-              last fix
+    fix       observes position and speed over ground, and so the causes of the error since the last
+              fix
 
-The mission is flown in its order, each leg as it is meant to end: to its places at its speed, after
-the way, the time or the depth that its guard waits for, else for as long as its clock says. It
-rises from the depth of before at the rate of its buoyancy, and fixes come once it has been up for
-some seconds; a surface leg that awaits none ends before. The current is taken to be anywhere in the
-disc that is assumed, so its sigma is half of that on each axis. Kalman's covariance needs no
-readings, only the way (Gelb, Applied Optimal Estimation, 1974, ch. 4.2); the figures are those of
-mission/navigation/model.py.
+The legs are flown in the order of the text, each to its planned end: to its places at its speed,
+after the way, time or depth that its guard waits for, or else until its clock ends it. The vehicle
+rises from the depth of the leg before at the rate of its buoyancy. Fixes come once it has been at
+the surface for some seconds; a surface leg that awaits none ends before. The current is anywhere in
+the assumed disc, so its sigma on each axis is half of the greatest current. Kalman's covariance
+needs no readings, only the way (Gelb, Applied Optimal Estimation, 1974, ch. 4.2); the figures are
+those of mission/navigation/model.py.
 
-What does not live here: what is seen of an area then (covered.py), what is demanded, refused and
-advised (purpose.py).
+What does not live here: the coverage of an area (covered.py), goals, refusals and advice
+(purpose.py).
 """
 
 from __future__ import annotations
@@ -47,57 +47,59 @@ from mission.navigation.model import figures
 
 _N, _E, _CN, _CE, _SCALE, _BIAS, _SIN, _COS, _WANDER = range(9)
 _STATES = 9
-MOST = 1000  # rows looked at, rounds included
+MOST = 1000  # most rows that are predicted, rounds included
 _VERTICAL = frozenset({"depth", "altitude", "heave"})  # each replaces the others
-_SLOW = 1.645 / TWO_SIGMA * SPEED_SHARE  # 95 % of dives lose less of their speed
-_SLOWEST = 0.2  # share of its speed that is counted on against the current
+_SLOW = 1.645 / TWO_SIGMA * SPEED_SHARE  # share of the speed; 95 % of dives lose less
+_SLOWEST = 0.2  # least share of the speed that is made good in a current
 
 
 @dataclass(slots=True)
 class Expected:
-    """The rows of one leg; of rounds, one after another. ``pattern`` is as its author wrote it."""
+    """The rows of one leg, those of all rounds in turn. ``pattern`` is as its author wrote it."""
 
     pattern: Pattern
     rows: list[Row] = field(default_factory=list)
 
     @property
     def errors(self) -> tuple[float, ...]:
-        """By row, m: the worst of the rounds."""
+        """The error in m at the end of each row; the worst of the rounds."""
         count = len(self.pattern.rows)
         return tuple(max(row.error for row in self.rows[k::count]) for k in range(count))
 
     @property
     def coverage(self) -> float:
-        """The share of the area (coverage.py) that is seen on average: the least of the rounds."""
+        """The mean share of the area that is seen (covered.py); the least of the rounds."""
         count = len(self.pattern.rows)
         rounds = range(0, len(self.rows), count)
         return min(covered(self.pattern, self.rows[at : at + count]) for at in rounds)
 
 
 class TooManyError(Exception):
-    """More rows than are looked at."""
+    """The mission has more than ``MOST`` rows."""
 
 
 def expected(mission: Mission, vehicle: Vehicle) -> dict[str, Expected]:
-    """For each leg of rows, by its path. Raises TooManyError."""
+    """The rows of each leg of rows, by its path. Raises TooManyError."""
     return outlooks(mission, vehicle)[0]
 
 
 def outlooks(
     mission: Mission, vehicle: Vehicle
 ) -> tuple[dict[str, Expected], dict[str, float], dict[str, float]]:
-    """For each leg of rows, and for each other m that 95 % of dives stay within to its end, of
-    rounds the worst; and for each that may have gone its way too late for its clock the s that it
-    should have for 95 % of dives, with the current from where it costs most (inf: it never gets
-    there). By their paths. Raises TooManyError."""
+    """Three tables by the paths of legs; of rounds the worst counts. Raises TooManyError.
+
+    1. The rows of each leg of rows. 2. For each leg, the radius in m that contains 95 % of dives at
+    its begin or its end (the larger). 3. For each leg whose clock may end it too early, the s that
+    95 % of dives need with the current from the worst direction (inf: the leg never arrives).
+    """
     course = _Course(mission, vehicle)
     course.body(mission.body, "")
     return course.found, course.errors, course.late
 
 
 def meant(mission: Mission, vehicle: Vehicle) -> list[tuple[str, Point]]:
-    """Of each leg or part of one in its order, rounds included, by its path: m north and east from
-    where it begins to where it is meant to end in still water. ``MOST`` of them at most."""
+    """For each leg or part of a leg in its order, rounds included: its path, and the m north and
+    east from its begin to its planned end in still water. At most ``MOST`` rows of the table."""
     course = _Meant(mission, vehicle)
     with contextlib.suppress(TooManyError):
         course.body(mission.body, "")
@@ -105,10 +107,10 @@ def meant(mission: Mission, vehicle: Vehicle) -> list[tuple[str, Point]]:
 
 
 class Drift:
-    """The covariance, carried along."""
+    """The covariance of the estimate, propagated along the way."""
 
     def __init__(self, vehicle: Vehicle, current: float) -> None:
-        """``current``: m/s, the greatest that is assumed."""
+        """``current``: m/s, the greatest that the mission assumes."""
         self._of = known = figures(vehicle)
         self._fix = vehicle.sensors.fix
         self._adrift = math.hypot(known.ground_velocity, known.drift.sigma)
@@ -118,10 +120,10 @@ class Drift:
             known.harmonic, known.wander.sigma,
         )  # fmt: skip
         self._p = np.diag(np.square(sigmas))
-        self._observe(slice(_CN, _CE + 1), self._adrift)  # it waits for its start afloat
+        self._observe(slice(_CN, _CE + 1), self._adrift)  # before the start it drifts afloat
 
     def go(self, bearing: float, speed: float, time: float) -> None:
-        """Straight ahead; rad, m/s through the water, s."""
+        """Go straight ahead; rad, m/s through the water, s."""
         known, way = self._of, speed * time
         c, s = math.cos(bearing), math.sin(bearing)
         f = np.eye(_STATES)
@@ -140,14 +142,14 @@ class Drift:
         self._p = f @ self._p @ f.T + q
 
     def afloat(self, time: float) -> None:
-        """At the surface, where wind and waves carry it, too."""
+        """Stay at the surface for ``time`` s, where wind and waves move it, too."""
         self.go(0.0, 0.0, time)
         drift = self._of.drift.sigma * time
         self._p[_N, _N] += drift**2
         self._p[_E, _E] += drift**2
 
     def fix(self) -> None:
-        """A place, and the speed over ground with it."""
+        """Take a fix: position and speed over ground."""
         self._observe(slice(_N, _E + 1), self._fix)
         self._observe(slice(_CN, _CE + 1), self._adrift)
 
@@ -164,12 +166,12 @@ class Drift:
 
     @property
     def radius(self) -> float:
-        """m, as `uncertainty` says it."""
+        """m, the variable `uncertainty`."""
         return around_95(self.place)
 
 
 class _Course:
-    """The mission in its order, as it is meant to go."""
+    """Fly the mission in its order, as planned."""
 
     def __init__(self, mission: Mission, vehicle: Vehicle) -> None:
         self._vehicle, self._current = vehicle, mission.current(vehicle.current)
@@ -178,8 +180,8 @@ class _Course:
         self._at: Point = (0.0, 0.0)
         self._holds = {"surge": 0.0, "depth": 0.0}
         self._deepest = min(mission.safety.depth or math.inf, vehicle.limits.depth)
-        self._deep, self._up = 0.0, math.inf  # m it may still be below; s at the surface
-        self._rows, self._clock = 0, 0.0  # s of the leg that is looked at
+        self._deep, self._up = 0.0, math.inf  # m that it may still be deep; s at the surface
+        self._rows, self._clock = 0, 0.0  # rows so far; clock of the current leg, s
         self._fixes = not mission.start_without_fix
         self.found: dict[str, Expected] = {}
         self.errors: dict[str, float] = {}
@@ -215,7 +217,7 @@ class _Course:
         self._holds |= given
 
     def _flown(self, parts: tuple[Leg, ...]) -> Iterator[Leg]:
-        """Those of the parts that a look at the uncertainty does not pass over."""
+        """The parts that are flown: a way up is left out if the uncertainty is small enough."""
         passed = False
         for part in parts:
             if not (passed and isinstance(part.kind, Surface)):
@@ -257,8 +259,8 @@ class _Course:
             self._drift.fix()
 
     def _watch(self, leg: Leg, path: str, places: Sequence[Point]) -> None:
-        """Whether the clock of a leg that is meant to go from place to place may end it before. A
-        part of one has a share of its clock."""
+        """Record the leg in ``late`` if its clock may end it before it has reached its places. A
+        part of a leg has a share of the leg's clock."""
         clock, speed = leg.duration or leg.timeout, (1.0 - _SLOW) * self._speed
         ways = [(b[0] - a[0], b[1] - a[1]) for a, b in itertools.pairwise(places) if a != b]
         if clock is None or not ways or self._speed <= 0.0:
@@ -269,19 +271,19 @@ class _Course:
 
     @property
     def _afloat(self) -> bool:
-        """At the surface for as long as fixes need, and nothing leads down."""
+        """Whether it has been at the surface for as long as fixes need, and nothing leads down."""
         return self._fixes and self._target == 0.0 and self._up >= SETTLED
 
     @property
     def _target(self) -> float:
-        """m to which it is led; over a floor, and by thrusters, anywhere down to its limit."""
+        """The depth in m that is set; with an altitude or downward thrust, the deepest allowed."""
         if "depth" in self._holds:
             return self._holds["depth"]
         down = self._holds.get("altitude", 0.0) > 0.0 or self._holds.get("heave", 0.0) > 0.0
         return self._deepest if down else 0.0
 
     def _go(self, bearing: float, speed: float, time: float) -> None:
-        """Straight ahead as in Drift; down to its target at once, up to it by buoyancy."""
+        """Go straight ahead as in Drift; down to the target at once, up to it by buoyancy."""
         rate, target = self._vehicle.ascent_buoyancy, self._target
         rising = min(time, max(self._deep - target, 0.0) / rate)
         self._deep = max(target, self._deep - rate * rising)
@@ -298,10 +300,10 @@ class _Course:
             self._drift.fix()
         self._holds = {"surge": 0.0, "depth": 0.0}
         self._deep = 0.0
-        self._up = math.inf if fixed else 0.0  # what awaits no fix ends as soon as it is up
+        self._up = math.inf if fixed else 0.0  # without a fix, the leg ends at the surface at once
 
     def _to(self, point: Point) -> None:
-        """Straight there; across the current it takes longer."""
+        """Go straight to a point; across the current it takes longer."""
         north, east = point[0] - self._at[0], point[1] - self._at[1]
         speed, way = self._speed, math.hypot(north, east)
         if speed > 0.0 and way > 0.0:
@@ -310,19 +312,19 @@ class _Course:
 
     @property
     def _made(self) -> float:
-        """m/s over ground, across the current."""
+        """m/s over ground with the current across the way."""
         return max(_SLOWEST * self._speed, math.sqrt(max(self._speed**2 - self._current**2, 0.0)))
 
     def _time(self, leg: Leg) -> float:
-        """s, as it is meant to end; what may end it before is not waited for."""
+        """s until the planned end of the leg; other events that may end it earlier do not count."""
         meant = [leg.duration or leg.timeout or 0.0]
         for way in leg.exits:
             meant += [way.guard.held + self._until(one) for one in _either(way.guard.expression)]
         return min(meant)
 
     def _until(self, one: Comparison) -> float:
-        """s, for what a leg may be meant to end at: a time, a way, a depth that it is led to, from
-        the surface or from the depth of before; inf of all else."""
+        """s until a comparison opens that may be the planned end of a leg: a time, a way, or a
+        depth that the leg goes to, from the surface or the depth before. inf for all others."""
         rising = one.operator.startswith("<")
         if one.variable == "elapsed" and not rising:
             return one.bound
@@ -379,7 +381,7 @@ class _Meant(_Course):
 
 
 def _ways(leg: Leg) -> Iterator[float]:
-    """m over ground of which any alone ends it."""
+    """The m over ground (``travelled``) that alone end the leg."""
     for way in leg.exits:
         for one in _either(way.guard.expression):
             if one.variable == "travelled" and not one.operator.startswith("<"):
@@ -387,7 +389,7 @@ def _ways(leg: Leg) -> Iterator[float]:
 
 
 def _either(expression: Expression) -> Iterator[Comparison]:
-    """The comparisons of which any alone is enough."""
+    """The comparisons of which any alone opens the guard."""
     if isinstance(expression, Comparison):
         yield expression
     elif isinstance(expression, Or):

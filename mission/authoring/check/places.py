@@ -1,4 +1,4 @@
-"""The places that a leg's own text names, in metres from home: between them lies where it leads.
+"""The places that a leg names, in metres from home; the leg leads between them.
 
 What does not live here: how far the vehicle may be from them (bounds.py).
 """
@@ -15,19 +15,20 @@ from mission.navigation.geodesy import LocalFrame
 
 
 def places_named(kind: LegKind) -> tuple[Place, ...]:
-    """As the author wrote them."""
+    """The places as the author wrote them."""
     return LEGS[type(kind)].places(kind)
 
 
 def places_of(kind: LegKind, frame: LocalFrame | None) -> tuple[Point, ...]:
-    """Corners of what is steered along; none for a leg that is not steered to places, or that
-    begins wherever it is entered. ``frame`` None: no home is named, and no latitude."""
+    """The corners of the steered way, m from home. None for a leg that does not steer to places, or
+    that begins wherever it is entered. ``frame`` None: the mission names no home, and the leg no
+    latitude."""
     named = tuple(local_of(place, frame) for place in places_named(kind))
     return LEGS[type(kind)].corners(kind, named) if named else ()
 
 
 def pattern_of(kind: LegKind, frame: LocalFrame | None, here: Point) -> Pattern | None:
-    """The rows of a leg that is entered ``here``; None where it is no survey."""
+    """The rows of a leg that is entered at ``here``; None if the leg has no rows."""
     row = LEGS[type(kind)]
     if row.pattern is None:
         return None
@@ -35,7 +36,7 @@ def pattern_of(kind: LegKind, frame: LocalFrame | None, here: Point) -> Pattern 
 
 
 def local_of(place: Place, frame: LocalFrame | None) -> Point:
-    """m from home."""
+    """A place in m from home; home itself for a position without a ``frame``."""
     if isinstance(place, Local):
         return place.north, place.east
     if isinstance(place, Position) and frame is not None:

@@ -1,12 +1,13 @@
-"""Compares the purpose that a mission states with what its legs are expected to achieve.
+"""Compare the goals that a mission states with what its legs are expected to achieve.
 
     coverage    the mean share of the area that is seen
-    position    m that 95 % of dives stay within at the end of each row, and of each other leg
+    position    radius in m that contains 95 % of dives: at the end of each row; for other legs, the
+                larger of those at their begin and end
 
-What is not expected to is refused, row by row, with changes that would do: each
-is tried by the same outlook before it is told.
+Legs that are not expected to achieve their goal are refused, row by row, with changes that are
+enough: the same outlook tries each change before it is suggested.
 
-What does not live here: what is expected (outlook.py), what a flight has reached (coverage.py).
+What does not live here: the prediction (outlook.py), what a flight has achieved (coverage.py).
 """
 
 from __future__ import annotations
@@ -30,18 +31,18 @@ from mission.model.diagnostics import Diagnostic, Stage
 from mission.model.units import number_text
 from mission.model.vehicle import Vehicle
 
-_TRIED = 40  # rows in the outlook, up to which changes are tried: the Pi has a second for it
-_FIXES = 8  # rows between two fixes that are tried, at most
+_TRIED = 40  # changes are tried up to so many rows in the outlook: the Pi has a second for it
+_FIXES = 8  # most rows between two fixes that are tried
 _SHARES = (0.9, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3)
 
 
 @dataclass(frozen=True, slots=True)
 class Outlook:
-    """Of one leg: shares, and m by row; without rows, at its end. ``needs``: s of a clock that
-    would do, where its own may end it before it has gone its way."""
+    """The outlook of one leg: the share seen, and the error in m for each row, or one for a leg
+    without rows. ``needs``: s of a long enough clock, if its own may end the leg too early."""
 
     leg: str
-    coverage: float | None  # None: it says no swath
+    coverage: float | None  # None: the leg states no swath
     errors: tuple[float, ...]
     aims: Aims
     rows: bool = True
@@ -55,7 +56,7 @@ class Judged:
 
 
 def judged(mission: Mission, vehicle: Vehicle) -> Judged:
-    """Empty for a mission that states no purpose."""
+    """The outlook of each leg with a goal, and the refusals; empty for a mission without goals."""
     if not any(_stated(mission.body, mission.achieve)):
         return Judged()
     try:
@@ -86,7 +87,7 @@ def _stated(body: tuple[Node, ...], above: Aims) -> Iterator[Aims]:
 
 
 def _idle(mission: Mission) -> Iterator[Diagnostic]:
-    """What is stated of rows where there are none."""
+    """Refuse goals of rows on a mission or group without rows."""
     scopes: list[Mission | Group] = [mission, *_groups(mission.body)]
     for scope in scopes:
         idle = [name for name, _ in scope.achieve if name != OF_ANY]
@@ -128,7 +129,7 @@ def _hint(mission: Mission, vehicle: Vehicle, leg: Leg, outlook: Outlook) -> str
 
 
 def _less(mission: Mission, vehicle: Vehicle, leg: Leg, outlook: Outlook) -> str:
-    """What can be asked for, with all the fixes that there can be, where no change is enough."""
+    """The hint if no change is enough: the goal that is reachable with a fix after each row."""
     kind, told, best = leg.kind, "", outlook
     assert isinstance(kind, Rows | Cover)
     often = replace(leg, kind=replace(kind, resurface=1.0, unsure=0.0))
@@ -142,14 +143,14 @@ def _less(mission: Mission, vehicle: Vehicle, leg: Leg, outlook: Outlook) -> str
 
 
 def _asked(name: str, outlook: Outlook) -> str:
-    """As it may be written, and is expected to be achieved."""
+    """The goal that is expected to be achieved, as mission text."""
     if name == "coverage":
         return f"coverage {math.floor(100.0 * (outlook.coverage or 0.0))}%"
     return f"{name} {math.ceil(max(outlook.errors))} m"
 
 
 def _missed(outlook: Outlook) -> Iterator[str]:
-    """In words, and by row."""
+    """The messages for goals that are not expected to be achieved."""
     aims = dict(outlook.aims)
     wanted = aims.get("coverage", 0.0)
     if outlook.coverage is not None and outlook.coverage < wanted:
@@ -168,11 +169,11 @@ def _missed(outlook: Outlook) -> Iterator[str]:
 
 
 def _percent(share: float) -> str:
-    """Never more than it is."""
+    """The share as text, rounded down."""
     return f"{math.floor(1000.0 * share + 1e-6) / 10.0:g}%"
 
 
-_TOLD = 8  # rows that are named
+_TOLD = 8  # most rows that are named
 
 
 def _ending(outlook: Outlook, beyond: list[int]) -> str:
@@ -191,7 +192,7 @@ def _by_row(errors: tuple[float, ...]) -> str:
 
 
 def _cures(mission: Mission, vehicle: Vehicle, leg: Leg, path: str) -> Iterator[str]:
-    """Of each kind of change the least that is enough."""
+    """For each kind of change, the smallest one that is enough."""
     kind, pattern = leg.kind, expected(mission, vehicle)[path].pattern
     assert isinstance(kind, Rows | Cover)
     if not _tried(mission, vehicle):
@@ -221,7 +222,7 @@ def _nearer(kind: Rows | Cover, pattern: Pattern) -> Iterator[tuple[str, Rows | 
 
 
 def _shorter(kind: Rows | Cover) -> Iterator[tuple[str, Rows]]:
-    """Of an area that is named nobody can say which part to leave out."""
+    """Shorter rows. None for ``cover``: which part of its area to leave out is not known."""
     if not isinstance(kind, Rows):
         return
     for share in _SHARES:
@@ -245,7 +246,7 @@ def _with_leg(mission: Mission, vehicle: Vehicle, path: str, changed: Leg) -> Ou
 
 
 def _tried(mission: Mission, vehicle: Vehicle) -> bool:
-    """Whether the outlook on a change is not too much work."""
+    """Whether the mission is small enough to try changes."""
     return sum(len(one.rows) for one in expected(mission, vehicle).values()) <= _TRIED
 
 

@@ -1,11 +1,11 @@
-"""A refusal for time or energy: the share of each leg, and the smallest changes that would do.
+"""The hint for a refusal for time or energy: the share of each leg, and changes that are enough.
 
     excess = worst - allowed
     clock  = clock - excess / (rate * times)      of the leg with the greatest share
     rounds = rounds - ceil(excess / (share / rounds))    of the group with the greatest share
 
-``rate`` is 1 for time, the leg's power for energy. Each change is tried by the same walk before it
-is told: another way may be the worst one then.
+``rate`` is 1 for time, the leg's power for energy. The same walk tries each change before it is
+suggested, since another way may then be the worst.
 """
 
 from __future__ import annotations
@@ -19,15 +19,15 @@ from mission.authoring.check.flow import ROUNDS, Proof, trail
 from mission.legs import LEGS
 from mission.model import AUTONOMOUS, IMPLICIT_SURFACE, Chart, Group, Leg, Node, State
 
-_TOLD = 5  # legs whose share is told
-_TRIES = 3  # for a change that was not enough
-_SHORTEST = 1.0  # s of a clock
+_TOLD = 5  # most legs that are named with their share
+_TRIES = 3  # tries for each kind of change
+_SHORTEST = 1.0  # s, the shortest clock that is suggested
 
 
 @dataclass(frozen=True, slots=True)
 class Figure:
-    """What is bounded: ``of`` a step, ``worst`` of a walk, ``allowed``; ``shown`` in its unit.
-    ``last`` is the last step of the worst way."""
+    """The bounded figure: its value in a step (``of``), in the worst case, and as allowed.
+    ``last``: the last step of the worst way. ``shown``: the value as text with its unit."""
 
     of: Callable[[Trail], float]
     worst: Callable[[Bounds], float]
@@ -36,7 +36,7 @@ class Figure:
     shown: Callable[[float], str]
 
     def excess(self, proof: Proof) -> float:
-        """Beyond what is allowed; infinite where nothing is proved."""
+        """The amount beyond what is allowed; infinite if nothing is proved."""
         return self.worst(proof.worst) - self.allowed if proof.worst else math.inf
 
 
@@ -48,7 +48,7 @@ class _Share:
 
 
 def hint(figure: Figure, chart: Chart, proof: Proof, walk: Callable[[Chart], Proof]) -> str:
-    """``walk`` finds the worst case of a changed chart."""
+    """The hint for a refusal. ``walk`` finds the worst case of a changed chart."""
     shares = _shares(figure, proof)
     total = sum(share.amount for share in shares.values())
     rows = sorted(shares.items(), key=lambda row: -row[1].amount)
@@ -72,7 +72,7 @@ def _told(figure: Figure, share: _Share, total: float) -> str:
 
 
 def _shares(figure: Figure, proof: Proof) -> dict[str, _Share]:
-    """By leg, on the way that is the worst."""
+    """The share of each leg on the worst way."""
     found: dict[str, _Share] = {}
     for step in trail(figure.last(proof.worst) if proof.worst else None):
         before = found.get(step.leg, _Share(0.0, 0, 0.0))
@@ -88,7 +88,7 @@ def _shares(figure: Figure, proof: Proof) -> dict[str, _Share]:
 def _clock(
     figure: Figure, chart: Chart, proof: Proof, walk: Callable[[Chart], Proof]
 ) -> Iterator[str]:
-    """A shorter clock for the leg with the greatest share."""
+    """Try a shorter clock for the leg with the greatest share."""
     shares = _written(chart, _shares(figure, proof))
     if not shares:
         return
@@ -108,7 +108,8 @@ def _clock(
 
 
 def _written(chart: Chart, shares: dict[str, _Share]) -> dict[str, _Share]:
-    """By leg as its author wrote it: parts that share its clock as one, others by no name."""
+    """The shares by legs as written. Parts that share a leg's clock count together; other parts
+    are left out."""
     found: dict[str, _Share] = {}
     for path, share in shares.items():
         state = chart.state(path)
@@ -126,13 +127,14 @@ def _written(chart: Chart, shares: dict[str, _Share]) -> dict[str, _Share]:
 
 
 def _shares_clock(part: State) -> bool:
-    """Of rows that resurface a run has its share of the leg's clock, a way up its own."""
+    """Whether the part uses a share of its leg's clock. A run of rows does; a way up has its own
+    clock."""
     leg = part.leg
     return leg is not None and leg.duration is None and not LEGS[type(leg.kind)].ascends
 
 
 def _leg_of(chart: Chart, path: str) -> Node | None:
-    """What stands there in the mission as it is written."""
+    """The leg or group at ``path`` in the mission as written."""
     body: tuple[Node, ...] = chart.mission.body
     found: Node | None = None
     for name in path.split("/")[1:]:
@@ -150,7 +152,7 @@ def _leg(chart: Chart, path: str) -> Leg:
 def _rounds(
     figure: Figure, chart: Chart, proof: Proof, walk: Callable[[Chart], Proof]
 ) -> Iterator[str]:
-    """Fewer rounds of the group with the greatest share."""
+    """Try fewer rounds of the group with the greatest share."""
     shares = _shares(figure, proof)
     within = {
         state: sum(s.amount for path, s in shares.items() if path.startswith(state.path + "/"))
@@ -180,7 +182,7 @@ def _with(chart: Chart, path: str, changed: State) -> Chart:
 
 
 def _clocked(chart: Chart, path: str, clock: float) -> Chart:
-    """With that clock for the leg, and for its parts what they have of it."""
+    """The chart with another clock of a leg, or of its parts by their shares."""
     leg = _leg(chart, path)
     timed = leg.duration is not None
     leg = replace(leg, duration=clock) if timed else replace(leg, timeout=clock)

@@ -1,23 +1,24 @@
-"""The refusals of the check, one function a rule, and the report that comes of them.
+"""The refusals of the check, one function for each rule, and the report.
 
     no-bound       a leg that no clock ends
     endless        a way that leads back and may be taken without end
     no-way-up      a state from which clocks alone do not lead to the surface
     unreachable    a leg that no way leads to
-    unknowable     a guard on what this vehicle never reports
-    no-leg-before  a guard of the first leg that asks what the one before it found
-    no-home        a latitude and longitude, in a mission that does not say where home is
+    unknowable     a guard on a value that this vehicle never reports
+    no-leg-before  a guard of the first leg that needs the peak of the leg before
+    no-home        a latitude and longitude, or a file of depths, in a mission without home
     time           the worst case, with the ascent, exceeds the safety time
     radius         the swept path, widened by current and uncertainty, leaves the radius
     depth          the same for the depth
-    area           an area that is none, or that a leg, or the ascent from it, may break
-    never-below    a depth kept above a floor that leaves no room for it
+    area           an area that is no polygon, or that a leg or the ascent from it may break
+    never-below    a depth with a least altitude, where the floor leaves no depth to hold
     energy         the worst case exceeds the battery
-    heavy          the vehicle does not rise by itself, and X rests on that
-    too-long       more rounds than can be walked
+    heavy          the vehicle does not rise by itself, which X relies on
+    unheard        the vehicle reports nothing
+    too-long       the mission has more legs than can be walked
     grounding      with a file of depths: a leg that may be deeper than the sea floor (seabed.py)
-    floor          the same: a sea floor deeper than the one that is assumed
-    purpose        rows that are not expected to achieve what the mission says (purpose.py)
+    floor          the same: a sea floor deeper than the assumed one
+    purpose        legs that are not expected to achieve the goal of the mission (purpose.py)
 
 What does not live here: the bounds (bounds.py) and the walk (flow.py).
 """
@@ -58,7 +59,7 @@ from mission.model.vehicle import Vehicle
 from mission.navigation.geodesy import LocalFrame
 from protocol.messages import SetSafety
 
-PATH_STEPS = 12  # of a counterexample; what lies between is told by its number
+PATH_STEPS = 12  # shown steps of a counterexample; those left out in the middle are counted
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,13 +68,13 @@ class Proved:
     transitions: int
     worst_time: float  # s, with the ascent
     worst_energy: float  # J
-    max_range: float  # m from home, the truth
+    max_range: float  # m from home, true
     max_depth: float  # m
-    blind_depth: float  # m, the same if the sensor that a hold goes by fails
-    blind_time: float  # s that the ascent from there takes longer
-    uncertainty: float  # m, of the estimate at the end, that was added
-    path: tuple[str, ...]  # of the worst time
-    dark_time: float = 0.0  # s more until fixes tell that it is up, if its depth is not believed
+    blind_depth: float  # m, greatest depth if the sensor of a hold fails
+    blind_time: float  # s more for the ascent from there
+    uncertainty: float  # m, added to the estimate until the end
+    path: tuple[str, ...]  # the way with the worst time
+    dark_time: float = 0.0  # s more until fixes prove the surface, if no depth is believed
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,8 +82,8 @@ class Report:
     refusals: tuple[Diagnostic, ...]
     proved: Proved | None
     assumed: tuple[str, ...]
-    outlook: tuple[Outlook, ...] = ()  # of its rows, where a purpose is stated
-    grounds: tuple[Ground, ...] = ()  # under its legs, where a file of depths is given
+    outlook: tuple[Outlook, ...] = ()  # of the legs with a goal
+    grounds: tuple[Ground, ...] = ()  # the sea floor under the legs, if a file of depths is given
 
     @property
     def ok(self) -> bool:
@@ -90,7 +91,7 @@ class Report:
 
 
 def check_mission(chart: Chart, vehicle: Vehicle, depths: Depths | None = None) -> Report:
-    """Everything that refuses this chart on this vehicle; linear in legs times rounds."""
+    """Check a chart on a vehicle: all refusals, and the proof. Linear in legs times rounds."""
     mission = chart.mission
     limits = envelope.in_force(vehicle, mission.safety, SetSafety())
     assume = Assumptions.of(mission, vehicle, limits.depth)
@@ -128,7 +129,7 @@ def _homeless(mission: Mission) -> Iterator[Diagnostic]:
 
 
 def before_the_proof(mission: Mission, vehicle: Vehicle) -> Iterator[Diagnostic]:
-    """Refusals that do not depend on what legs set or where they lead."""
+    """Refusals that do not depend on the legs' settings and order."""
     yield from _heavy(mission, vehicle)
     yield from _unheard(mission, vehicle)
     yield from no_home(mission)
@@ -136,7 +137,7 @@ def before_the_proof(mission: Mission, vehicle: Vehicle) -> Iterator[Diagnostic]
 
 
 def check_ways(chart: Chart, vehicle: Vehicle) -> Iterator[Diagnostic]:
-    """Refusals of a chart that is not whole: those that need no figures."""
+    """Refusals of an incomplete chart: only those of its ways, which need no setpoints."""
     limits = envelope.in_force(vehicle, chart.mission.safety, SetSafety())
     assume = Assumptions.of(chart.mission, vehicle, limits.depth)
     if any(_no_bound(chart)):
@@ -218,7 +219,8 @@ def _not_clear(chart: Chart, vehicle: Vehicle) -> Iterator[Diagnostic]:
 
 
 def no_home(mission: Mission) -> Iterator[Diagnostic]:
-    """How far a position is from a home that the first fixes will tell cannot be proved."""
+    """Refuse positions in a mission without home: their distance from a home at the first fixes
+    cannot be bounded."""
     for leg in () if mission.home is not None else legs_of(mission.body):
         if any(isinstance(place, Position) for place in places_named(leg.kind)):
             message = (
@@ -323,7 +325,7 @@ def _energy(allowed: float) -> remedy.Figure:
 
 
 def _longer(mission: Mission, vehicle: Vehicle, worst: float) -> str:
-    """Where only the mission's own safety time is exceeded."""
+    """A longer safety time as hint, if only the mission's own limit is exceeded."""
     if mission.safety.time is None or worst > vehicle.limits.time:
         return ""
     return f"; or safety time {math.ceil(worst / 60)} min"

@@ -1,13 +1,13 @@
-"""The sea floor under each leg, from a file of depths: the shallowest and the deepest of it.
+"""The shallowest and deepest sea floor under each leg, from a file of depths.
 
-A leg sweeps the hull of where it means to be, widened by its error (fenced.py); every cell of the
-file that this touches counts. Where the file knows nothing the floor is the one that is assumed.
+A leg sweeps the hull of its intended positions, widened by its error (fenced.py). Every cell of the
+file that this area touches counts. Where the file has no depth, the assumed floor counts.
 
-    grounding   a leg that may be deeper than the shallowest floor that it may be over; one that
-                keeps an altitude, where that leaves it no depth to hold
+    grounding   a leg that may be deeper than the shallowest floor below it; a leg that keeps an
+                altitude, if the floor leaves no depth to hold
     floor       a floor deeper than the one that the mission assumes
 
-What does not live here: the formats (authoring.bathymetry), the sea that is simulated (links).
+What does not live here: the formats (authoring.bathymetry), the simulated sea (links).
 """
 
 from __future__ import annotations
@@ -28,20 +28,19 @@ from mission.model.units import number_text
 from mission.navigation.geodesy import LocalFrame
 from mission.navigation.polygons import edges, hull, signed_area
 
-_STEP = 1e-6  # rad: by which the plane's scale is taken
-_WHOLE = 0.995  # share known that counts as all of it: the edge cuts cells
+_STEP = 1e-6  # rad, step for the scale of the local plane
+_WHOLE = 0.995  # known share that counts as all, since the edge cuts cells
 
 
 @dataclass(frozen=True, slots=True)
 class Over:
-    """One leg and all that it sweeps, however often it is flown; ``blind`` is how deep it may be
-    if the sensor of a hold fails. ``holds_depth``: it goes down, and not by the floor;
-    ``least``: where it goes by it, the m of water that it needs."""
+    """All that one leg sweeps, over all its entries. ``blind``: its greatest depth in m if the
+    sensor of a hold fails. ``holds_depth``: it goes down without regard to the floor."""
 
     swept: Swept
     blind: float
     holds_depth: bool
-    least: float = 0.0  # m of water, where it goes by the floor
+    least: float = 0.0  # m of water that it needs, if it keeps an altitude
 
     def joined(self, other: Over) -> Over:
         one, two = self.swept, other.swept
@@ -53,8 +52,8 @@ class Over:
 
 @dataclass(frozen=True, slots=True)
 class Ground:
-    """Under one leg: m; ``place`` (degrees) is that of the shallowest; ``known`` the share that
-    the file knows. None where it knows nothing of it."""
+    """The sea floor under one leg, m; None if the file has no depth there. ``place``: where it is
+    shallowest. ``known``: the share of the area for which the file has depths."""
 
     leg: str
     shallowest: float | None
@@ -97,7 +96,7 @@ def _under(path: str, swept: Swept, depths: Depths, frame: LocalFrame) -> Ground
 
 
 def _box(swept: Swept, depths: Depths, frame: LocalFrame) -> tuple[slice, slice]:
-    """Of the file, what the swept body and its margin lie within."""
+    """The rows and columns of the file that contain the swept body with its margin."""
     norths, easts = zip(*swept.body, strict=True)
     corners = [
         frame.to_geodetic(n + i * swept.margin, e + j * swept.margin)
@@ -107,20 +106,20 @@ def _box(swept: Swept, depths: Depths, frame: LocalFrame) -> tuple[slice, slice]
         for j in (-1.0, 1.0)
     ]
     lats = [math.degrees(lat) for lat, _ in corners]
-    first = math.degrees(corners[0][1])  # from which on: it may lie on the antimeridian
+    first = math.degrees(corners[0][1])  # the reference, since the antimeridian may be near
     lons = [first + math.remainder(math.degrees(lon) - first, 360.0) for _, lon in corners]
     return depths.box(min(lats), max(lats), min(lons), max(lons))
 
 
 def _cells_of(swept: Swept, half: float) -> int:
-    """So many cells the body alone has at least, in the file or not."""
+    """The least number of cells that the swept area covers, in the file or not."""
     area = abs(signed_area(swept.body))
     around = sum(math.dist(a, b) for a, b in edges(swept.body)) * swept.margin
     return int((area + around + math.pi * swept.margin**2) / max(2.0 * half * half, 1e-9))
 
 
 def _plane(frame: LocalFrame, latitude: float, longitude: float) -> tuple[Point, Point]:
-    """m from home of a place in degrees, and m of a degree there, north and east."""
+    """A place given in degrees, in m from home; and the m of one degree there, north and east."""
     lat, lon = math.radians(latitude), math.radians(longitude)
     here = frame.to_local(lat, lon)
     up, aside = frame.to_local(lat + _STEP, lon), frame.to_local(lat, lon + _STEP)
@@ -129,7 +128,7 @@ def _plane(frame: LocalFrame, latitude: float, longitude: float) -> tuple[Point,
 
 
 def _distance(body: tuple[Point, ...], north: Numbers, east: Numbers) -> Numbers:
-    """m of each cell from a hull (or a point, or a line); 0 within."""
+    """The distance in m of each cell from a hull (or point, or line); 0 within."""
     nearest = np.full(np.broadcast_shapes(north.shape, east.shape), np.inf)
     within = np.full(nearest.shape, len(body) > 2)
     turn = math.copysign(1.0, signed_area(body))
@@ -144,13 +143,13 @@ def _distance(body: tuple[Point, ...], north: Numbers, east: Numbers) -> Numbers
     return np.where(within, 0.0, nearest)
 
 
-# --- what is refused, and what is told --------------------------------------------------------
+# --- refusals and report ----------------------------------------------------------------------
 
 
 def refusals(
     found: Mapping[str, Ground], over: Mapping[str, Over], chart: Chart
 ) -> Iterator[Diagnostic]:
-    """The same of several legs once, at the first of them, with the place that it is over."""
+    """The refusals; the same one for several legs stands once, at the first leg and its place."""
     said: dict[tuple[str, str, str], list[str]] = {}
     for path in found:
         for one in _refused(path, found[path], over[path], chart):
@@ -165,7 +164,7 @@ def refusals(
 
 
 def _refused(path: str, ground: Ground, over: Over, chart: Chart) -> Iterator[tuple[str, str, str]]:
-    """Of one leg: code, message with room for its name and the place, hint."""
+    """For one leg: code, message (with fields for the legs and the place), hint."""
     if ground.shallowest is None or ground.deepest is None or chart.state(path).leg is None:
         return
     assumed, deep = dict(chart.mission.assume).get("floor"), over.swept.depth[1]
@@ -189,7 +188,8 @@ def _refused(path: str, ground: Ground, over: Over, chart: Chart) -> Iterator[tu
 
 
 def blind(found: Mapping[str, Ground], over: Mapping[str, Over]) -> float:
-    """m deep at most if the sensor of a hold fails: where the file knows all of it, the floor."""
+    """Greatest depth in m if the sensor of a hold fails; not below the floor where the file has all
+    depths under the leg."""
     return max((_above(found[path], one.blind) for path, one in over.items()), default=0.0)
 
 
@@ -199,7 +199,7 @@ def _above(ground: Ground, deep: float) -> float:
 
 
 def told(ground: Ground) -> str:
-    """For people."""
+    """The sea floor as text for people."""
     if ground.shallowest is None or ground.deepest is None:
         return "not known: the floor that is assumed"
     part = f", {1.0 - ground.known:.0%} of it not known" if ground.known < _WHOLE else ""

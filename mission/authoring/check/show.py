@@ -12,7 +12,7 @@ from mission.authoring.check.rules import Report
 from mission.authoring.check.seabed import Ground
 from mission.model.diagnostics import Diagnostic
 
-_ROWS = 12  # of an outlook, that are told to people
+_ROWS = 12  # most rows of an outlook in the text for people
 
 
 def as_object(report: Report) -> dict[str, Any]:
@@ -79,7 +79,8 @@ def unreadable_object(found: Iterable[Diagnostic]) -> dict[str, Any]:
 
 
 def as_text(source: str, report: Report, digest: str) -> str:
-    """``digest``: the canonical text's; its beginning is shown, as the vehicle tells it."""
+    """The report as text. ``digest``: of the canonical text; its first part is shown, as the
+    vehicle reports it."""
     rows = [refusal.rendered for refusal in report.refusals]
     proved = report.proved
     if proved is not None:

@@ -1,6 +1,6 @@
-"""How long ways take in a current from where it costs most time.
+"""The time that ways take in a current from the worst direction.
 
-What does not live here: which ways a leg means, and its clock (outlook).
+What does not live here: the ways of a leg, and its clock (outlook).
 """
 
 from __future__ import annotations
@@ -10,12 +10,12 @@ from collections.abc import Sequence
 
 from mission.legs.base import Point
 
-_AROUND = 16  # directions of a current that are tried, beside those straight against a way
+_AROUND = 16  # directions of the current that are tried, beside those directly against a way
 
 
 def slowest(ways: Sequence[Point], speed: float, current: float) -> float:
-    """s for all of them one after another, m each, with the current from where that takes longest;
-    inf where it makes no way."""
+    """s for all ``ways`` (m north and east) in turn, with the current from the direction in which
+    they take longest; inf if the vehicle makes no way against it."""
     bearings = {round(math.atan2(east, north), 2) for north, east in ways}
     opposed = {bearing + math.pi for bearing in bearings}
     around = {2.0 * math.pi * k / _AROUND for k in range(_AROUND)}
@@ -28,6 +28,6 @@ def slowest(ways: Sequence[Point], speed: float, current: float) -> float:
 
 
 def _made(speed: float, current: float, angle: float) -> float:
-    """m/s over ground along a line; ``angle``: from it to where the current goes, rad."""
+    """m/s over ground along a line; ``angle``: from the line to the flow of the current, rad."""
     across = current * math.sin(angle)
     return math.sqrt(max(speed**2 - across**2, 0.0)) + current * math.cos(angle)

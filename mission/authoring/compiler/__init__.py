@@ -1,1 +1,1 @@
-"""Mission -> Chart, and everything an author is told on the way."""
+"""Compile a Mission to a Chart, and report all errors to its author."""

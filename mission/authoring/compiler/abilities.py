@@ -1,7 +1,7 @@
-"""What a vehicle cannot do: legs and guards that its file says it could never follow or know.
+"""Refuse legs and guards that the vehicle, by its file, can never follow or know.
 
-A row of checks over one resolved leg, each yielding Diagnostics with the place in the text. What
-does not live here: the proofs over time, place and energy (mission.authoring.check).
+Each check looks at one resolved leg and yields Diagnostics with the place in the text. What does
+not live here: the proofs over time, place and energy (mission.authoring.check).
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ def leg_problems(leg: Leg, setpoint: Setpoint, vehicle: Vehicle) -> Iterator[Dia
 
 
 def own_problems(leg: Leg, vehicle: Vehicle) -> Iterator[Diagnostic]:
-    """What is wrong with a leg whatever the legs before it set."""
+    """The problems of a leg that do not depend on what the legs before it set."""
     own = own_setpoint(leg)
     yield from statement_problems(leg)
     yield from output_problems(leg, vehicle)
@@ -124,7 +124,7 @@ def _one_speed(leg: Leg, setpoint: Setpoint, vehicle: Vehicle) -> Iterator[Diagn
 
 
 def _encodes(leg: Leg, setpoint: Setpoint, vehicle: Vehicle) -> Iterator[Diagnostic]:
-    """Whether the codec can encode it: the codec decides what the vehicle's language can say."""
+    """Refuse a leg whose setpoint the vehicle's codec cannot encode."""
     row = LEGS[type(leg.kind)]
     if Axis.HEADING in row.steers and not row.ascends:
         setpoint = replace(setpoint, heading=0.0)
@@ -145,7 +145,7 @@ def _encodes(leg: Leg, setpoint: Setpoint, vehicle: Vehicle) -> Iterator[Diagnos
             return
 
 
-@functools.lru_cache(maxsize=1024)  # legs of one mission often hold the same
+@functools.lru_cache(maxsize=1024)  # legs of one mission often have the same setpoint
 def _cannot_say(name: str, dialect: str, setpoint: Setpoint) -> str:
     try:
         _codec(name, dialect).encode(setpoint)
@@ -213,7 +213,8 @@ def _given() -> frozenset[str]:
 def guard_problems(
     expression: Expression, vehicle: Vehicle, where: Where, gives: frozenset[str] | None
 ) -> Iterator[Diagnostic]:
-    """``gives``: the variables that only some leg types have and this one has; None: not a leg."""
+    """The problems of a guard. ``gives``: variables that not every leg type has, and this leg does;
+    None: the guard does not belong to a leg."""
     for term in terms(expression):
         place = term.where if term.where.line else where
         for name in term.asks:
@@ -259,7 +260,8 @@ def _legs_that_give(name: str) -> str:
 
 
 def _between_reports(term: Trend, vehicle: Vehicle, place: Where) -> Iterator[Diagnostic]:
-    """Of three reports in a row the middle value counts, which is then a report old."""
+    """Refuse a window in which the vehicle hardly reports twice: the middle value of each three
+    reports counts, and it is one report old."""
     period = vehicle.sensors.telemetry_period
     if not term.of_depth and term.window < 1.5 * period:
         yield refused(
@@ -272,7 +274,7 @@ def _between_reports(term: Trend, vehicle: Vehicle, place: Where) -> Iterator[Di
 
 
 def _never_true(term: Trend, place: Where) -> Iterator[Diagnostic]:
-    """A change that no believable reading makes: it would be taken for a broken sensor."""
+    """Refuse a change that no believable reading makes: the sensor would count as broken."""
     row = CHANNELS.get(term.variable)
     if row is None:
         return

@@ -1,15 +1,18 @@
-"""Which value every axis has in every leg: an omitted axis keeps its value.
+"""Find the value of every axis in every leg: an omitted axis keeps its value.
 
-A value travels along the ways between legs until a leg states the axis. Two different values at
-a leg that omits it are an error; turn and heading exclude each other; what a leg steered itself
-(a goto's heading) cannot be kept by the next, because no text says what it was.
+A value is carried along the ways between legs until a leg states the axis. Errors are:
+
+    a leg omits an axis, and two different values reach it
+    turn and heading in one leg
+    a leg omits an axis that the leg before steered by itself (a goto's heading): its value then is
+    unknown
 
     (surge, turn) | heading | ("depth" | "altitude" | "heave", value) | (pitch, roll)
     ("depth", value, "altitude", value): that depth, never below that altitude
     each output by its name; None: safe
 
-Linear in legs and ways: a place takes at most two different values of an axis, which is one too
-many. What does not live here: the ways themselves (compiler), what a vehicle can do (abilities).
+The effort is linear in legs and ways, since each leg keeps at most two values of an axis (two are
+an error already). What does not live here: the ways (ways.py), what a vehicle can do (abilities).
 """
 
 from __future__ import annotations
@@ -38,10 +41,10 @@ _AXIS_OF = {
     "roll": Axis.ATTITUDE,
 }
 _VERTICAL = ("depth", "altitude", "heave")
-_STEERED = ("steered",)  # the leg before held it by itself
+_STEERED = ("steered",)  # the leg before steered it by itself
 
 Value = tuple[float | str, ...] | None  # None: not controlled
-Kept = Axis | str  # what keeps its value; a str is an output's name
+Kept = Axis | str  # an axis, or the name of an output
 INITIAL: Mapping[Kept, Value] = {
     Axis.HORIZONTAL: (0.0, 0.0),
     Axis.HEADING: None,
@@ -52,7 +55,8 @@ INITIAL: Mapping[Kept, Value] = {
 
 @dataclass(frozen=True, slots=True)
 class Unit:
-    """What one leg or bare line does to the axes: ``states`` them, or drops the turn."""
+    """The effect of one leg or bare line on the axes: the values that it ``states``, and whether
+    it sets the turn to 0 (a heading does)."""
 
     states: Mapping[Kept, Value]
     drops_turn: bool
@@ -67,8 +71,7 @@ class Unit:
 
 @dataclass(frozen=True, slots=True)
 class Flow:
-    """A way by which values travel: from a leg or group to a leg, through bare lines that do
-    ``unit`` together."""
+    """A way from a leg or group to a leg; ``unit`` is the joined effect of the bare lines on it."""
 
     source: str
     target: str
@@ -76,7 +79,8 @@ class Flow:
 
 
 def unit_of(node: Leg | Set, outputs: Iterable[str] = ()) -> Unit:
-    """``outputs``: the names of all that the mission sets; a surface leg makes them safe."""
+    """The effect of a leg or bare line. ``outputs``: the names of all outputs that the mission
+    sets; a surface leg makes them safe."""
     kind = node.kind if isinstance(node, Leg) else None
     unit = _unit(node.settings, kind)
     makes_safe = kind is not None and LEGS[type(kind)].makes_safe(kind)
@@ -102,18 +106,18 @@ def _unit(settings: tuple[Setting, ...], kind: LegKind | None) -> Unit:
     steers = LEGS[type(kind)].steers if kind is not None else frozenset()
     states.update(dict.fromkeys(steers, _STEERED))
     if kind is not None and LEGS[type(kind)].ascends:
-        states.update(INITIAL)  # it ends with everything stopped
+        states.update(INITIAL)  # an ascent ends with everything stopped
     return Unit(states, "heading" in words or Axis.HEADING in steers)
 
 
 def own_setpoint(leg: Leg) -> Setpoint:
-    """What a leg would hold if nothing stood before it."""
+    """The setpoint of a leg if it were the first one."""
     unit = unit_of(leg)
     return _setpoint({axis: unit.apply(axis, INITIAL[axis]) for axis in Axis})
 
 
 def joined(units: Iterable[Unit]) -> Unit:
-    """What several do one after the other."""
+    """The effect of several units, one after the other."""
     states: dict[Kept, Value] = {}
     drops = False
     for unit in units:
@@ -126,7 +130,7 @@ def joined(units: Iterable[Unit]) -> Unit:
 
 
 def statement_problems(node: Leg | Set) -> list[Diagnostic]:
-    """Axes stated twice, or against each other, within one line."""
+    """Report axes that one line states twice, or in contradiction."""
     problems: list[Diagnostic] = []
     seen: dict[str, Setting] = {}
     for setting in node.settings:
@@ -171,7 +175,7 @@ def _clash(setting: Setting, message: str, hint: str) -> Diagnostic:
 
 
 class Resolution:
-    """Values at every leg. ``parents`` leads from every leg and group to the one above it."""
+    """The values at every leg. ``parents``: for each leg and group, the group around it."""
 
     def __init__(
         self,
@@ -188,7 +192,7 @@ class Resolution:
         self._out: dict[str, list[Flow]] = {}
         for flow in flows:
             self._out.setdefault(flow.source, []).append(flow)
-        # axis -> place -> the different values that came in, with where each came from
+        # axis -> leg or group -> the different values that reach it, each with its origin
         self._in: dict[Kept, dict[str, list[tuple[Value, str]]]] = {}
         for axis in self._kept:
             self._in[axis] = {}
@@ -203,7 +207,7 @@ class Resolution:
         return sets, problems
 
     def levels(self) -> dict[str, dict[str, float]]:
-        """By leg: the outputs that are not safe there."""
+        """For each leg: the outputs that are not safe there, with their values."""
         found = {}
         for path in self._legs:
             values = ((name, self._value(name, path)) for name in self._outputs)
@@ -228,10 +232,10 @@ class Resolution:
                 continue
             held.append((value, origin))
             here = self._units.get(place)
-            if here is None:  # a group hands on what any of its legs has
+            if here is None:  # a group passes on the values of all its legs
                 self._leave(queue, axis, place, value, origin)
             elif axis not in here.states and len(held) == 1:
-                # a second value is this leg's error, not that of every leg behind it
+                # a second value is the error of this leg only, not of the legs behind it
                 self._leave(queue, axis, place, here.apply(axis, value), place)
 
     def _leave(
@@ -308,7 +312,7 @@ def _words(axis: Kept, value: Value) -> str:
 
 
 def said(field: str, value: float) -> str:
-    """A setpoint's field in the words of the language."""
+    """A field of the setpoint as a setting of the mission language."""
     if field == "surge":
         return f"gear {value * GEARS:g}"
     low, high = _SIDES.get(field, (field, field))
@@ -317,7 +321,7 @@ def said(field: str, value: float) -> str:
 
 
 def _held(vertical: tuple[float | str, ...]) -> dict[str, float]:
-    """What the vertical axis holds, by the setpoint's field."""
+    """The value of the vertical axis, as fields of the setpoint."""
     return {str(w): float(v) for w, v in zip(vertical[::2], vertical[1::2], strict=True)}
 
 
@@ -347,6 +351,6 @@ def _setpoint(values: Mapping[Kept, Value]) -> Setpoint:
 
 
 def axis_where(leg: Leg, word: str) -> Where:
-    """Where the leg states a word, else the leg itself."""
+    """The place where the leg states a word, or else the place of the leg."""
     places = (s.where for s in leg.settings if s.word == word and s.where.line)
     return next(places, leg.where)

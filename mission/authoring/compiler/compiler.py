@@ -1,15 +1,15 @@
-"""Mission -> Chart: plain tables that the machine, the check and the graph read.
+"""Compile a Mission to a Chart: plain tables that the machine, the check and the graph read.
 
     names -> ways (next leg, targets, rounds) -> edges -> complete sets -> problems
 
-Rules: an exit without a target leads to the next leg in order; at the end of a repeated group
-there is one edge for another round and one beyond it; at the mission's end is the implicit leg
-``surface``. Bare lines are no states: their settings travel on the ways through them. All problems
-of a mission are told at once.
+Rules: an exit without a target leads to the next leg in order. At the end of a repeated group there
+is one edge for another round and one that leaves the group. The implicit leg ``surface`` ends the
+mission. Bare lines are not states: the ways through them carry their settings. All problems of a
+mission are reported at once.
 
 MissionErrors             (the mission's author must act; every one has line and column)
 
-What does not live here: which legs follow which (ways), how values travel (axes), what a vehicle
+What does not live here: the order of legs (ways), the values of each leg (axes), what a vehicle
 can do (abilities), the proofs over time, place and energy (check), running (machine, engine).
 """
 
@@ -63,8 +63,8 @@ from protocol.messages import Setpoint
 
 @dataclass(frozen=True, slots=True)
 class Compiled:
-    """``chart`` is there where the ways between the legs are known; it is whole, and may be flown,
-    where nothing was ``found`` to be wrong."""
+    """The result of the compiler. ``chart`` is None if the ways between the legs are not known; it
+    may be flown only if no problem was ``found``."""
 
     chart: Chart | None
     found: tuple[Diagnostic, ...]
@@ -75,14 +75,14 @@ def compiled(mission: Mission, vehicle: Vehicle, digest: str) -> Compiled:
 
 
 def compile_mission(mission: Mission, vehicle: Vehicle, digest: str) -> Chart:
-    """Raises MissionErrors with everything that is wrong."""
+    """Compile a mission. Raises MissionErrors with all problems."""
     made = compiled(mission, vehicle, digest)
     if made.found or made.chart is None:
         raise MissionErrors(made.found)
     return made.chart
 
 
-# Where one of these is wrong, nobody knows which leg leads where.
+# Problems that leave unknown which leg leads where.
 _LEADING = frozenset(
     {
         "ambiguous-target",
@@ -189,7 +189,8 @@ class _Compiler:
         self._problems += guard_problems(guard.expression, self._vehicle, where, gives)
 
     def _check_watched(self) -> None:
-        """Every guard that a leg and the groups around it watch costs each step of the engine."""
+        """Limit the comparisons that a leg and its groups watch; each costs time in every step of
+        the engine."""
         handled = {AUTONOMOUS: _watched(self._mission.handlers)}
         for state in self._states:
             above = handled[state.parent]
@@ -210,7 +211,7 @@ class _Compiler:
         sets, problems = resolution.setpoints()
         self._problems += problems
         self._levels = resolution.levels()
-        told: set[str] = set()  # a value that legs keep is complained of once, where it is stated
+        told: set[str] = set()  # a value that several legs keep is reported once, where it is set
         for path, leg in self._legs.items():
             self._problems += fight_problems(leg, sets[path], self._levels[path], self._vehicle)
             for problem in leg_problems(leg, sets[path], self._vehicle):

@@ -1,8 +1,8 @@
-"""Guards on a direction (heading, course, bearing) that a reader takes for another sector.
+"""Refuse guards on a direction (heading, course, bearing) that a reader takes for another sector.
 
-Each comparison of one is by the short way round: ``heading > 350`` is the half turn clockwise of
-350, so ``heading > 350 or heading < 10`` is all but the 20 degrees behind. What differs from the
-sector that its numbers say, on a scale from 0 to 360, is refused.
+Each comparison of a direction uses the shorter way: ``heading > 350`` is the half turn clockwise of
+350, so ``heading > 350 or heading < 10`` is all but the 20 degrees behind. A guard is refused if it
+means another sector than its numbers suggest on a scale from 0 to 360.
 """
 
 from __future__ import annotations
@@ -33,13 +33,13 @@ def direction_problems(expression: Expression, where: Where) -> Iterator[Diagnos
             row = VARIABLES.get(name)
             if row is not None and row.circular:
                 of_it = [term for term in compared if term.variable == name]
-                if len(of_it) > 1:  # one alone is a turn that has passed its bound
+                if len(of_it) > 1:  # one alone tells when a turn has passed its bound
                     yield from _read_otherwise(join, of_it, where)
 
 
 def _read_otherwise(join: _Join, of_it: Sequence[Comparison], where: Where) -> Iterator[Diagnostic]:
-    """On a scale from 0 to 360 some of these may be true nowhere, or everywhere (350 to 10): then
-    the short way is all that can be meant."""
+    """Refuse comparisons of one variable if the two meanings differ. If they are true nowhere or
+    everywhere on the scale from 0 to 360 (350 to 10), the author can only mean the shorter way."""
     said, meant = _sector(join, of_it, round_=False), _sector(join, of_it, round_=True)
     if said == meant or not any(said) or all(said):
         return
@@ -60,7 +60,7 @@ def _read_otherwise(join: _Join, of_it: Sequence[Comparison], where: Where) -> I
 
 
 def _sector(join: _Join, of_it: Iterable[Comparison], round_: bool) -> list[bool]:
-    """Whether they are true between each two neighbours of the angles at which one changes."""
+    """The joined value of the comparisons in each interval between angles where one changes."""
     terms = list(of_it)
     bounds = {term.bound % _TURN for term in terms}
     edges = sorted({0.0, _TURN, *bounds, *((bound + math.pi) % _TURN for bound in bounds)})

@@ -1,11 +1,10 @@
-"""Setpoints that a vehicle can be told only in steps: the nearest step is sent, and the author is
-told.
+"""Setpoints between the steps of a vehicle's commands: the nearest step is sent, and reported.
 
-    off by more than one sigma of the sensor that the hold goes by  -> refused, with what to write
-    off by less                                                     -> stated by the check
+    off by more than one sigma of the sensor that controls the hold  -> refused, with a hint
+    off by less                                                      -> reported by the check
 
-A hold at 4.5 m that is flown at 4 m never opens ``until depth >= 4.4``; half a degree of heading
-is lost in any compass. A heading that the leg itself steers (goto) is sent anew all the time.
+A hold at 4.5 m that is flown at 4 m never opens ``until depth >= 4.4``; half a degree of heading is
+below the noise of any compass. A heading that the leg itself steers (goto) is updated all the time.
 
 What does not live here: the steps themselves (each vehicle's codec).
 """
@@ -27,13 +26,13 @@ from protocol.messages import Setpoint
 from protocol.vehicles import vehicle_row
 
 BETWEEN_STEPS = "between-steps"  # the code
-_EXACT = 1e-6  # of a step: degrees went through radians
+_EXACT = 1e-6  # of a step; degrees were converted to radians and back
 
 
 @dataclass(frozen=True, slots=True)
 class Rounded:
-    """A value that a leg holds, the ``nearest`` that can be told, and the steps beside it; in m or
-    deg, as texts say them."""
+    """A value that a leg holds, the ``nearest`` step that can be sent, and the steps ``below`` and
+    ``above``; in m or deg, as in texts."""
 
     word: str
     unit: str
@@ -57,7 +56,7 @@ class _Held:
 
 
 def rounded(leg: Leg, setpoint: Setpoint, vehicle: Vehicle) -> Iterator[Rounded]:
-    """What of the leg's holds this vehicle cannot be told exactly."""
+    """The values of the leg that cannot be sent exactly to this vehicle."""
     for held in _holds(leg, setpoint, vehicle):
         if held.value is None or held.step == 0.0:
             continue
@@ -97,7 +96,7 @@ def _holds(leg: Leg, setpoint: Setpoint, vehicle: Vehicle) -> Iterator[_Held]:
         return
     for depth in row.depths(leg.kind) or (setpoint.depth,):
         yield _Held("depth", depth, step.depth, sigma.depth)
-    altitude = None if is_guarded(setpoint) else setpoint.altitude  # then only depths are told
+    altitude = None if is_guarded(setpoint) else setpoint.altitude  # guarded: a depth is sent
     yield _Held("altitude", altitude, step.altitude, sigma.altitude)
     if Axis.HEADING not in row.steers:
         yield _Held("heading", setpoint.heading, step.heading, sigma.heading)

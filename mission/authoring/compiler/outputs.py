@@ -1,9 +1,9 @@
-"""Outputs of a mission: what its vehicle file names, within the bounds there, and what they fight.
+"""Check the outputs that a mission sets: against the vehicle file, and against the setpoints.
 
     output lamp 80    a name of the file, 0..80, reversible, needed by no limit
-    hold_depth 1      beside depth 5: the flag would hold against what the leg asks for
+    hold_depth 1      beside depth 5: the flag would work against the setpoint of the leg
 
-What does not live here: how values travel from leg to leg (axes), when they are sent (engine).
+What does not live here: how legs keep values (axes), when values are sent (engine).
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ _BY_HAND = "the operator sets it: auvmission output"
 
 
 def outputs_of(mission: Mission) -> tuple[str, ...]:
-    """The names of all that it sets, sorted."""
+    """The sorted names of all outputs that the mission sets."""
     found: set[str] = set()
     stack: list[Node] = list(mission.body)
     while stack:
@@ -80,7 +80,7 @@ def _problem(code: str, given: OutputSetting, message: str, hint: str) -> Diagno
 def fight_problems(
     leg: Leg, setpoint: Setpoint, levels: Mapping[str, float], vehicle: Vehicle
 ) -> Iterator[Diagnostic]:
-    """Outputs that would hold against what the leg asks for."""
+    """Refuse outputs that would work against the setpoint of the leg."""
     steers = LEGS[type(leg.kind)].steers
     for name, level in levels.items():
         output = vehicle.output(name)
@@ -102,7 +102,8 @@ def _asked(axis: str, setpoint: Setpoint, steers: frozenset[Axis]) -> bool:
 def complete(
     state: State, names: Iterable[str], levels: Mapping[str, Mapping[str, float]], vehicle: Vehicle
 ) -> State:
-    """A leg with what each of the names is: safe where nothing was said. ``levels``: by leg."""
+    """The state of a leg with the value of each output in ``names``: the one in ``levels`` (by
+    leg), or else safe."""
     if state.leg is None:
         return state
     told = levels.get(state.path, {})
@@ -111,7 +112,7 @@ def complete(
 
 
 def sources_of(edges: Iterable[Edge], vehicle: Vehicle) -> tuple[tuple[str, Source], ...]:
-    """The readings of the vehicle file that guards ask for."""
+    """The readings of the vehicle file that guards use, each with its source."""
     guards = (edge.guard.expression for edge in edges if edge.guard is not None)
     asked = {name for guard in guards for term in terms(guard) for name in term.asks}
     rows = {source.name: source for source in vehicle_row(vehicle.codec).sources}

@@ -1,7 +1,7 @@
-"""Legs that consist of several, as the groups that they are (``LegType.parts``).
+"""Turn each leg that consists of several legs into a group of its parts (``LegType.parts``).
 
-Texts, their digest and their differences know the leg as its author wrote it; chart, check, picture
-and flight know its parts.
+Texts, their digest and their differences have the leg as its author wrote it. Chart, check, picture
+and flight have its parts.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ def parted(body: Iterable[Node]) -> tuple[Node, ...]:
 
 
 def parts_fault(leg: Leg) -> str:
-    """What keeps it from being parted; "" where nothing does, or it has no parts."""
+    """Why the leg cannot be divided into its parts; "" if it can, or has no parts."""
     row = LEGS[type(leg.kind)]
     return row.parts_fault(leg) if row.parts(leg) else ""
 

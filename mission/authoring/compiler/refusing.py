@@ -1,4 +1,4 @@
-"""What the compiler refuses, as a Diagnostic."""
+"""Make the Diagnostic of a refusal by the compiler."""
 
 from __future__ import annotations
 

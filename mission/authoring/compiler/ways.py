@@ -1,10 +1,10 @@
-"""Names -> ways: where each node of a mission stands, and which legs follow from there.
+"""Resolve names to ways: the place of each node of a mission, and the legs that follow it.
 
     names -> places -> ways (next leg, targets, rounds)
 
-A name that leads nowhere, or to several places, is a problem of the line that says it.
+A name without a place, or with several, is a problem of the line that uses it.
 
-What does not live here: the edges that are made of ways (compiler), how values travel (axes).
+What does not live here: the edges that are made of ways (compiler), the values of each leg (axes).
 """
 
 from __future__ import annotations
@@ -44,7 +44,8 @@ class _Slot:
 
 @dataclass(frozen=True, slots=True)
 class Way:
-    """To a leg, through the bare lines before it; ``loops``: rounds that it begins or ends."""
+    """A way to a leg, through the bare lines before it, whose joined effect is ``unit``; ``loops``:
+    the rounds that the way begins or ends."""
 
     loops: tuple[Loop, ...]
     target: str
@@ -52,7 +53,8 @@ class Way:
 
 
 class Ways:
-    """``states``, ``legs`` by path and ``lines`` (legs, bare lines) in the order of the text."""
+    """The ways of a mission; ``states``, ``legs`` by path and ``lines`` (legs, bare lines) are in
+    the order of the text."""
 
     def __init__(self, mission: Mission) -> None:
         self.problems: list[Diagnostic] = []
@@ -72,7 +74,7 @@ class Ways:
         return self._from(_Slot(AUTONOMOUS, 0))[0]
 
     def after(self, path: str) -> tuple[Way, ...]:
-        """To what follows in the order of the text."""
+        """The ways to what follows in the order of the text."""
         slot = self._slots[path]
         return self._from(_Slot(slot.group, slot.index + 1))
 
@@ -141,7 +143,8 @@ class Ways:
             )
 
     def to(self, scope: str, name: str, where: Where) -> tuple[Way, ...]:
-        """The ways to a target, sought from the innermost group outward, then anywhere."""
+        """The ways to a target. Its name is looked up from the innermost group outward; if it is
+        not found there, anywhere, where it must be unique."""
         if name == SURFACE:
             return (Way((), IMPLICIT_SURFACE, joined(())),)
         first, *rest = name.split("/")
@@ -209,7 +212,8 @@ class Ways:
             group, index = self._slots[group].group, self._slots[group].index + 1
 
     def _first_leg(self, group: str, index: int, units: list[Unit]) -> str | None:
-        """The first leg from there to the group's end; bare lines on the way go to ``units``."""
+        """The first leg from ``index`` to the end of the group; append the effects of the bare
+        lines before it to ``units``."""
         body = self._bodies[group]
         for i in range(index, len(body)):  # no slice: that would be quadratic over a long mission
             node = body[i]

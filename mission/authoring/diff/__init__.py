@@ -1,4 +1,4 @@
-"""What changed for the vehicle between two missions, not between their texts.
+"""The differences between two missions for the vehicle, not between their texts.
 
 difference = compare(prepared_before, prepared_after)     # .same, .changes, .figures
 """

@@ -1,12 +1,11 @@
-"""What changed for the vehicle between two charts: one row per change, in the order of the legs.
+"""List the changes for the vehicle between two charts: a row per change, in the order of the legs.
 
-Two missions are the same for the vehicle if legs and groups can be matched so that every leg has
-the same complete set, kind, clocks and ways, in the same order of looking at them; names, order in
-the text and groups that neither repeat nor handle do not matter. Whatever follows from a leg that
-came, went or moved alone (where the one before it now leads) is not told again.
+Two missions are the same for the vehicle if their legs and groups can be matched so that each leg
+has the same complete set, kind, clocks and ways, tested in the same order. Names, the order in the
+text, and groups without rounds and handlers do not matter. If a leg was added, removed or moved,
+its direct consequences (the leg before it now leads elsewhere) are not reported again.
 
-What does not live here: who is matched with whom (matching.py), which ways lead alike (ways.py),
-how it is shown (show.py).
+What does not live here: matching legs (matching.py), comparing ways (ways.py), output (show.py).
 """
 
 from __future__ import annotations
@@ -51,8 +50,8 @@ class Kind(enum.Enum):
 
 @dataclass(frozen=True, slots=True)
 class Change:
-    """``places`` are legs, groups or the mission; more than one where all changed alike.
-    ``lines``: before and after of each place, 0 where there is none."""
+    """One change. ``places``: legs, groups or the mission; several if all changed in the same way.
+    ``lines``: the line of each place before and after; 0 where it does not exist."""
 
     kind: Kind
     places: tuple[str, ...]
@@ -65,7 +64,7 @@ class Change:
 @dataclass(frozen=True, slots=True)
 class Changes:
     rows: tuple[Change, ...]
-    renamed: tuple[tuple[str, str], ...]  # legs: another name or group, whatever else changed
+    renamed: tuple[tuple[str, str], ...]  # legs with another name or group, also if changed
 
 
 def changes(before: Chart, after: Chart, vehicles: tuple[Vehicle, Vehicle]) -> Changes:
@@ -76,12 +75,12 @@ def changes(before: Chart, after: Chart, vehicles: tuple[Vehicle, Vehicle]) -> C
 
 
 def _named(*paths: str) -> bool:
-    """Whether some author gave one of them its name: numbers of lines are nobody's names."""
+    """Whether an author named one of them; a generated name (``line12``) does not count."""
     return not all(GENERATED.match(path.rpartition("/")[2]) for path in paths)
 
 
 def _together(rows: Iterator[Change]) -> Iterator[Change]:
-    """Legs that changed alike share a row, at the place of the first."""
+    """Join rows of legs that changed in the same way, at the place of the first."""
     merged: dict[tuple[object, ...], Change] = {}
     for i, row in enumerate(rows):
         alone = row.kind is not Kind.CHANGED or row.places == (MISSION,)
@@ -174,7 +173,7 @@ class _Comparison:
             yield from self._mission(f"area {name}", old, new)
 
     def _assumptions(self, one: Mission, two: Mission) -> Iterator[Change]:
-        """A current that is not assumed is the vehicle file's."""
+        """Compare the assumptions; without an assumed current, that of the vehicle file counts."""
         given = [
             {"current": vehicle.current} | dict(mission.assume)
             for vehicle, mission in zip(self.vehicles, (one, two), strict=True)
@@ -284,8 +283,8 @@ class _Comparison:
         new: Sequence[T],
         same_way: Callable[[int, int], bool],
     ) -> Iterator[Change]:
-        """In the order in which they are looked at, which is part of what they mean; ``same_way``
-        is asked by their numbers, from 1."""
+        """Compare two lists of guards in order; the order in which guards are tested has a meaning.
+        ``same_way`` takes the numbers of two guards, from 1."""
         a, b = [one.guard for one in old], [one.guard for one in new]
         for tag, i1, i2, j1, j2 in SequenceMatcher(None, a, b, autojunk=False).get_opcodes():
             for n in range(max(i2 - i1, j2 - j1)):

@@ -1,6 +1,6 @@
-"""The difference of two prepared missions: what changed, and what the check proves of each.
+"""The difference of two prepared missions: the changes, and the worst cases of both by the check.
 
-What does not live here: the comparison of the charts (changes.py), words (show.py).
+What does not live here: the comparison of the charts (changes.py), output (show.py).
 """
 
 from __future__ import annotations
@@ -15,10 +15,10 @@ from mission.authoring.prepare import Prepared, check_prepared
 
 @dataclass(frozen=True, slots=True)
 class Figure:
-    """A worst case before and after in ``unit``; None where the check proves none."""
+    """A worst case before and after, in ``unit``; None where the check proves nothing."""
 
     name: str
-    key: str  # as in what `check --json` prints
+    key: str  # as `check --json` prints it
     unit: str
     before: float | None
     after: float | None
@@ -41,7 +41,7 @@ class Difference:
 
     @property
     def same(self) -> bool:
-        """For the vehicle; names do not matter to it."""
+        """Whether the missions are the same for the vehicle; names do not matter."""
         return not self.changes
 
 

@@ -1,12 +1,12 @@
-"""Which leg of one chart is which of another: by path, then by name, then by likeness in order.
+"""Match the legs of two charts: by path, then by name, then by similar content in order.
 
-    named alike, same path -> same name elsewhere, if there is one -> same content in the same
-    order -> the most alike between two that are matched
+    same path -> same unique name in another group -> same content in the same order -> the most
+    similar one between two matched legs
 
-A generated name (``line12``) says where a leg stands and not which it is: such legs are matched by
-content alone. Groups go with the legs inside them.
+A generated name (``line12``) tells only the place of a leg, so such legs are matched by content.
+Groups are matched by the legs inside them.
 
-What does not live here: what is different in a pair (changes.py).
+What does not live here: the differences in a pair (changes.py).
 """
 
 from __future__ import annotations
@@ -21,20 +21,20 @@ from mission.authoring.language.words import GENERATED
 from mission.model import AUTONOMOUS, IMPLICIT_SURFACE, Chart, Leg, State
 from protocol.messages import Setpoint
 
-ALIKE = 0.5  # share of a leg's parts that a renamed one keeps at least
+ALIKE = 0.5  # least share of equal parts for which two legs are matched
 Key = Callable[[State], str | None]
-WINDOW = 30  # legs looked at around the same place
+WINDOW = 30  # legs that are tried around the same place
 
 
 @dataclass(frozen=True, slots=True)
 class Match:
-    """Paths before -> paths after. What has no partner is in neither."""
+    """Paths before -> paths after; without the legs and groups that have no partner."""
 
     legs: dict[str, str]
     groups: dict[str, str]
 
     def renamed(self, path: str) -> str:
-        """The path after; what is gone keeps a path that nothing after has."""
+        """The path after; if there is none, a path that does not exist after."""
         fixed = path if path in (AUTONOMOUS, IMPLICIT_SURFACE) else f"{path} (before)"
         return self.legs.get(path) or self.groups.get(path) or fixed
 
@@ -49,7 +49,7 @@ def leg_of(state: State) -> Leg:
 
 
 def set_of(state: State) -> Setpoint:
-    """The complete set; no heave is no heave, however it is written."""
+    """The complete set; a heave of 0 is the same as none."""
     setpoint = state.setpoint or Setpoint()
     return replace(setpoint, heave=None) if setpoint.heave == 0.0 else setpoint
 
@@ -122,7 +122,8 @@ def _alike(old: list[State], new: list[State]) -> Iterator[tuple[str, str]]:
 def _opcodes(
     a: Sequence[Hashable], b: Sequence[Hashable]
 ) -> Iterable[tuple[str, int, int, int, int]]:
-    """What both begin with is equal without a search, which takes long over many equal legs."""
+    """Opcodes of SequenceMatcher. The equal beginning is found without its search, which is slow
+    for many equal legs."""
     n = next((i for i, (x, y) in enumerate(zip(a, b, strict=False)) if x != y), min(len(a), len(b)))
     yield "equal", 0, n, 0, n
     for tag, i1, i2, j1, j2 in SequenceMatcher(None, a[n:], b[n:], autojunk=False).get_opcodes():
@@ -178,7 +179,7 @@ def _groups(before: Chart, after: Chart, legs: dict[str, str]) -> dict[str, str]
 
 
 def rising(values: Sequence[int]) -> set[int]:
-    """Indices of a longest rising run of ``values``, not necessarily side by side."""
+    """Indices of a longest increasing subsequence of ``values``."""
     tails: list[int] = []
     ends: list[int] = []
     before: list[int | None] = []

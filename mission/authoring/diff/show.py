@@ -1,6 +1,6 @@
-"""A difference as a person reads it in a terminal, a reviewer in a pull request, and a program.
+"""Show a difference as text for a terminal, as Markdown for a review, and as an object.
 
-What does not live here: what is different (changes.py, difference.py).
+What does not live here: finding the differences (changes.py, difference.py).
 """
 
 from __future__ import annotations
@@ -82,7 +82,7 @@ def _told(change: Change) -> str:
 
 
 def _what(change: Change) -> str:
-    """Setpoints say themselves what they are."""
+    """The label of a change; empty if its values are clear without one."""
     plain = change.what in ("leg", "heading", "speed", "vertical", "attitude", "does", "place")
     return "" if plain else f"{change.what} "
 
@@ -160,7 +160,7 @@ def _names(found: Difference) -> list[str]:
 
 
 def _cell(text: str) -> str:
-    """What a table's cell can hold without being read as Markdown or HTML."""
+    """The text with escapes, so that a table's cell does not read as Markdown or HTML."""
     for sign in "\\|<>*_`":
         text = text.replace(sign, f"\\{sign}")
     return text

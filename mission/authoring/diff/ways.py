@@ -1,10 +1,10 @@
-"""The ways out of legs and groups, and whether those of two charts lead alike.
+"""The ways out of legs and groups, and whether those of two charts lead to the same places.
 
-A way of the chart before is told in the paths of the one after (``mapped``), so that a leg that was
-only renamed leads where it led. What leads elsewhere only because a leg came, went or moved is no
-change of its own.
+The ways of the chart before are compared in the paths of the chart after (``mapped``), so renaming
+a leg changes no way. A way that leads elsewhere only because a leg was added, removed or moved is
+no change of its own.
 
-What does not live here: who is matched with whom (matching.py), the changes (changes.py).
+What does not live here: matching legs (matching.py), the changes (changes.py).
 """
 
 from __future__ import annotations
@@ -27,8 +27,8 @@ Way = tuple[By, Guard | None, str, tuple[Loop, ...]]
 
 
 class Ways:
-    """``old_of``: leg after -> leg before. ``moved``: legs after that are out of the others' order,
-    or in another group."""
+    """The ways of two matched charts. ``old_of``: leg after -> leg before. ``moved``: legs after
+    that have left the order of the others, or are in another group."""
 
     def __init__(self, before: Chart, after: Chart, match: Match) -> None:
         self.before, self.after, self.match = before, after, match
@@ -50,8 +50,8 @@ class Ways:
         )
 
     def same_way(self, old: State, suffix: str, new: State, there: str, *, implicit: bool) -> bool:
-        """``implicit``: to whatever comes next, so that a leg that came, went or moved, or rounds
-        that changed, say already why it leads elsewhere."""
+        """Whether a way leads to the same place. ``implicit``: it leads to the next leg. Then legs
+        that were added, removed or moved, and changed rounds, may explain another target."""
         one = self.mapped(self.before, suffix, old.path)
         two = self.plain(self.after, there, new.path)
         if [way[2:] for way in one] == [way[2:] for way in two]:
@@ -83,7 +83,8 @@ class Ways:
         return told(self.before, old.path), told(self.after, new.path)
 
     def _same_ways(self) -> bool:
-        """Whether all ways lead alike, whatever opens them: then order in the text is no matter."""
+        """Whether all ways lead to the same places, without regard to their guards. The order in
+        the text does not matter then."""
         if len(self.match.legs) != len(legs_of(self.before)) or len(self.old_of) != len(
             legs_of(self.after)
         ):
@@ -98,14 +99,14 @@ class Ways:
         )
 
     def _around(self, chart: Chart, path: str, side: str) -> tuple[str, ...]:
-        """The groups around it that repeat or handle, by their paths after."""
+        """The groups around it that repeat or have handlers, by their paths after."""
         if path == AUTONOMOUS:
             return ()
         rename = self.match.renamed if side == "before" else str
         return tuple(rename(g) for g in groups_above(chart, path) if g in self._matter[side])
 
     def _moved(self) -> set[str]:
-        """Paths of legs that are out of the others' order, or in another group."""
+        """Paths of legs that have left the order of the others, or are in another group."""
         old = {s.path: i for i, s in enumerate(legs_of(self.before))}
         pairs = [
             (old[self.old_of[s.path]], s.path) for s in legs_of(self.after) if s.path in self.old_of
@@ -123,7 +124,7 @@ class Ways:
 
 
 def matters(group: Group) -> bool:
-    """Whether a group does anything beside holding its legs together."""
+    """Whether a group repeats or has handlers."""
     return group.repeat > 1 or bool(group.handlers)
 
 
@@ -132,8 +133,8 @@ def _ends(ways: tuple[Way, ...]) -> set[tuple[object, ...]]:
 
 
 def _edges(chart: Chart, source: str, suffix: str) -> list[Edge]:
-    """A state's edges whose trigger is that of ``suffix``; of one way there are several, one for
-    each outcome of the rounds."""
+    """The edges of a state with the trigger ``suffix``; one way may have several, one for each
+    outcome of the rounds."""
     trigger = source + suffix
     return [
         e

@@ -1,4 +1,4 @@
-"""The words of a difference: those of the pictures, and exact ones where those would be alike.
+"""The texts of a difference: those of the pictures, or exact ones if those would be the same.
 
 What does not live here: the layout (show.py).
 """
@@ -25,20 +25,20 @@ def name(path: str) -> str:
 
 
 def apart(one: V, two: V, plain: Callable[[V], str], exact: Callable[[V], str]) -> tuple[str, str]:
-    """Words for two values that differ: exact ones where the usual ones would be the same."""
+    """Texts for two different values; the exact ones if the usual ones are the same."""
     told = plain(one), plain(two)
     return told if told[0] != told[1] else (exact(one), exact(two))
 
 
 def stands_after(chart: Chart, path: str) -> str:
-    """Behind which leg it stands, in words."""
+    """The place of a leg as text: after which other leg."""
     paths = [s.path for s in legs_of(chart)]
     i = paths.index(path)
     return f"after {name(paths[i - 1])}" if i else "first"
 
 
 def whole(state: State) -> str:
-    """A leg in one line, for one that came or went."""
+    """A leg in one line, for one that was added or removed."""
     leg = leg_of(state)
     parts = [words.kind(leg), words.setpoint(state.setpoint), words.outputs(state)]
     parts += [f"until {way(e)}" for e in leg.exits]
@@ -73,7 +73,7 @@ def group(which: Group) -> str:
 
 
 def level(state: State, name: str, vehicle: Vehicle) -> str:
-    """Of one output, which only the other mission may name."""
+    """The value of an output as text; safe if only the other mission names it."""
     output, levels = vehicle.output(name), dict(state.outputs)
     if output is None:
         return "no such output"

@@ -1,8 +1,9 @@
-"""Places of a mission's text, and edits of the text that change nothing beside them.
+"""The places in a mission's text, and edits of them that leave the rest of the text unchanged.
 
-    text --language--> statements --handles--> what a chart can show and move
-    text, an edit of the chart --edits--> the text again: comments and layout as they were
+    text --language--> statements --handles--> places that a map can show and move
+    text, an edit on the map --edits--> new text: comments and layout unchanged
 
-The text is the truth. An edit is verified by reading what it made: the place stands where it was
-wanted, and every other where it was; what cannot be done so is refused (EditError).
+The text is the reference. Each edit is verified by reading the new text: the edited place is where
+it was wanted, and every other place is where it was (but for those that move with home). An edit
+that cannot be made in this way is refused (EditError).
 """

@@ -1,10 +1,10 @@
-"""An edit of the chart as an edit of the text: the numbers of a place, a line, and nothing else.
+"""Make an edit on the map in the text: change the numbers of a place, or a line, and nothing else.
 
     move      the two numbers of a place
     add       a place to a row of places; a leg; an area
     remove    a place from its row; the leg whose only place it is
 
-Each result is read again before it is given away.
+Each result is read and verified before it is returned.
 """
 
 from __future__ import annotations
@@ -26,13 +26,13 @@ Position = tuple[float, float]  # degrees
 Change = tuple[Span, str]
 
 _FAR = 20_000.0  # m from home
-_CLOSE = 0.5  # m: a place that was written stands so near to where it was wanted, whatever its unit
+_CLOSE = 0.5  # m, greatest distance of a written place from the wanted one, in any unit
 _UNUSUAL = "the text says it in a way that cannot be edited here: write it there"
 _LEAST = {"corner": 3, "place": 2}  # places of a row
 
 
 def move(text: str, source: str, index: int, to: Position) -> str:
-    """The text with handle number ``index`` elsewhere. Raises EditError."""
+    """The text with handle number ``index`` moved to ``to``. Raises EditError."""
     read = _read(text, source)
     known = handles(read, text)
     one = _chosen(known, index)
@@ -61,8 +61,9 @@ def remove(text: str, source: str, index: int) -> str:
 
 
 def add(text: str, source: str, what: str, to: Position, after: int | None = None) -> str:
-    """``what``: point (of the row that ``after`` is in), or a row of ``writing.LEGS`` or ``AREAS``.
-    ``after``: the handle behind whose leg it comes; None: before the way up. Raises EditError."""
+    """The text with an added place, leg or area. ``what``: point (in the row of ``after``), or a
+    key of ``writing.LEGS`` or ``AREAS``. ``after``: the handle whose leg a new leg follows; None:
+    before the last leg. Raises EditError."""
     read = _read(text, source)
     if len(read.problems):
         first = read.problems.found()[0]
@@ -109,7 +110,7 @@ def _layout(text: str, source: str) -> Layout:
 
 
 def _where(one: Handle) -> Where:
-    """Its leg's name, or the place itself."""
+    """The position of the leg's name, or of the place itself."""
     statement = one.statement
     if isinstance(statement, LegText) and statement.name is not None:
         return statement.name.where
@@ -135,7 +136,7 @@ def _moved(one: Handle, lines: Lines, to: Position, frame: LocalFrame | None) ->
 
 
 def figures(one: Handle, to: Position, frame: LocalFrame | None) -> tuple[str, str]:
-    """The two numbers of ``one``, were it at ``to``."""
+    """The two numbers of ``one`` as text, if it were at ``to``. Raises EditError."""
     first, second = amounts_of(one.place)
     if not (abs(to[0]) <= 90.0 and abs(to[1]) <= 180.0):
         raise EditError("a latitude goes from -90 to 90, a longitude from -180 to 180")
@@ -153,7 +154,7 @@ def figures(one: Handle, to: Position, frame: LocalFrame | None) -> tuple[str, s
 
 
 def _lines_out(block: Block, text: str) -> Change:
-    """With the end of its last line."""
+    """Remove a block, with the end of its last line."""
     end = text.find("\n", block.lines.end)
     return Span(block.lines.begin, len(text) if end < 0 else end + 1), ""
 
@@ -179,7 +180,7 @@ def _whole_lines(layout: Layout, span: Span) -> Span:
 
 
 def _into_row(one: Handle, layout: Layout, to: Position, frame: LocalFrame | None) -> Change:
-    """A copy of the place with other numbers, behind it."""
+    """Insert a copy of the place with other numbers, behind it."""
     spans, alone = layout.places(one)
     span = spans[one.at]
     copy = _copied(layout.text, span, _moved(one, layout.lines, to, frame))
@@ -206,8 +207,8 @@ def _break(text: str) -> str:
 def _leg(
     read: Draft, layout: Layout, what: str, to: Position, one: Handle | None, like: Handle | None
 ) -> Change:
-    """Behind the leg of ``one``, or before the last: a copy of ``like``, with its depth, its gear
-    and its layout; where that is None, a new one."""
+    """Insert a leg behind that of ``one``, or before the last: a copy of ``like`` with its depth,
+    gear and layout, or a new leg if ``like`` is None."""
     fresh = writing.fresh_name(read, what)
     seconds = writing.timeout(read, what, to, one or like)
     code = (
@@ -225,8 +226,9 @@ def _leg(
 
 
 def _likes(what: str, one: Handle | None, known: Sequence[Handle]) -> tuple[Handle | None, ...]:
-    """Of that kind, with a name and one place: the nearest before, or the first, if there is one;
-    and none, for where a copy of it has no place (its exits are those of another group)."""
+    """Legs to try as the pattern of a new one: the nearest one before of that kind, with a name and
+    one place, or else the first; then None, if a copy does not work (its exits may name targets of
+    another group)."""
     legs = [h for h in known if h.word == writing.LEGS[what] and h.count == 1 and not h.fixed]
     legs = [h for h in legs if isinstance(h.statement, LegText) and h.statement.name is not None]
     before = [h for h in legs if one is not None and _line(h) <= _line(one)]
@@ -256,7 +258,7 @@ def _likeness(
 
 
 def _longer(clause: Value, lines: Lines, seconds: float) -> list[Change]:
-    """What lasts long enough already stays as it is."""
+    """Make a timeout longer; one that is long enough already stays as written."""
     amount = clause.amount
     begin = None if amount is None or amount.is_name else lines.of(amount)
     if amount is None or begin is None:
@@ -267,7 +269,7 @@ def _longer(clause: Value, lines: Lines, seconds: float) -> list[Change]:
     return [(Span(begin, begin + len(amount.text)), numbers.plain(math.ceil(seconds / unit), 0))]
 
 
-# --- what was made is read again -----------------------------------------------------------------
+# --- verify the new text -------------------------------------------------------------------------
 
 
 def _verify(made: str, source: str, wanted: Sequence[Position | None]) -> None:
@@ -277,7 +279,7 @@ def _verify(made: str, source: str, wanted: Sequence[Position | None]) -> None:
 
 
 def _is_added(made: str, source: str, before: Sequence[Position | None]) -> bool:
-    """Whether it can be read, with all that was there, and more."""
+    """Whether the new text has no errors, all places from before, and at least one more."""
     read = _read(made, source)
     left = [handle.position for handle in handles(read, made)]
     for place in before:
@@ -288,7 +290,7 @@ def _is_added(made: str, source: str, before: Sequence[Position | None]) -> bool
 
 
 def _near(one: Position | None, other: Position | None) -> bool:
-    """``other`` None: wherever it is."""
+    """Whether two positions are within ``_CLOSE``; ``other`` None: any position."""
     if one is None or other is None:
         return other is None
     north = math.radians(one[0] - other[0]) * 6.4e6

@@ -1,6 +1,6 @@
-"""The places that a text names, where their numbers stand in it, and where they are on earth.
+"""The places that a text names: where their numbers stand in the text, and their positions.
 
-What does not live here: what becomes of the text when one is moved (edits).
+What does not live here: the change of the text when a place is moved (edits).
 """
 
 from __future__ import annotations
@@ -36,9 +36,10 @@ _LINE = re.compile(r"\r?\n")
 
 @dataclass(frozen=True, slots=True)
 class Handle:
-    """A place. ``kind``: home, corner (of an area) or place (of a leg), and ``word`` the word that
-    it stands behind. It is number ``at`` of ``count`` in a row of places. ``position``: degrees;
-    None: in metres from a home that is not known. ``fixed``: why it cannot be moved, else ""."""
+    """A place in the text. ``kind``: home, corner (of an area) or place (of a leg). ``word``: the
+    word before it. It is number ``at`` (from 0) of ``count`` in a row of places. ``position``: in
+    degrees; None if it is in metres from an unknown home. ``fixed``: why it cannot be moved, or
+    ""."""
 
     path: str
     kind: str
@@ -55,7 +56,7 @@ class Handle:
         return amounts_of(self.place)
 
     def as_object(self) -> dict[str, Any]:
-        """As the page has it (docs/design/console.md)."""
+        """The object that the page uses (docs/design/console.md)."""
         spans = [[a.where.line, a.where.column, a.where.length] for a in self.numbers]
         return {
             "path": self.path,
@@ -81,7 +82,7 @@ class Lines:
         return len(self._starts)
 
     def offset(self, line: int, column: int) -> int | None:
-        """None where there is no such place in the text."""
+        """The offset of a line and column; None if the text has no such place."""
         if not 0 < line <= len(self._starts):
             return None
         found = self._starts[line - 1] + column - 1
@@ -91,14 +92,14 @@ class Lines:
         return self._starts[line - 1]
 
     def end(self, line: int) -> int:
-        """Of the line, before what ends it."""
+        """The offset of the end of a line, before its line break."""
         if line >= len(self._starts):
             return len(self._text)
         end = self._starts[line] - 1
         return end - 1 if self._text[end - 1 : end] == "\r" else end
 
     def of(self, amount: Amount) -> int | None:
-        """Where the number stands; None if anything else is there."""
+        """The offset of a number; None if other text is there."""
         found = self.offset(amount.where.line, amount.where.column)
         there = found is not None and self._text.startswith(amount.text, found)
         return found if there else None
@@ -111,7 +112,7 @@ def amounts_of(place: Coordinates | Offset) -> tuple[Amount, Amount]:
 
 
 def frame_of(read: Draft) -> LocalFrame | None:
-    """About the home that the text names; None where it names none that can be read."""
+    """The frame around the home that the text names; None if there is no readable home."""
     for statement in read.statements:
         if isinstance(statement, HomeAt):
             position = _degrees(statement.place)
@@ -120,7 +121,7 @@ def frame_of(read: Draft) -> LocalFrame | None:
 
 
 def handles(read: Draft, text: str) -> tuple[Handle, ...]:
-    """In the order of the text; what two legs share by an alias of YAML once."""
+    """The places in the order of the text; a place that legs share by a YAML alias stands once."""
     lines, frame = Lines(text), frame_of(read)
     named = {s.name.text: s.amount for s in read.statements if isinstance(s, Parameter)}
     found: dict[tuple[int, int], Handle] = {}
@@ -163,7 +164,7 @@ def _named(statements: tuple[Statement, ...]) -> Iterator[_Row]:
 
 
 def _fixed(place: Coordinates | Offset, lines: Lines) -> str | None:
-    """Why it cannot be moved; None where nothing of it stands in the text."""
+    """Why the place cannot be moved, or ""; None if its numbers do not stand in the text."""
     amounts = amounts_of(place)
     if any(lines.of(amount) is None for amount in amounts):
         return None
@@ -186,7 +187,7 @@ def _position(
 def metres_of(
     place: Offset, named: Mapping[str, Amount] = MappingProxyType({})
 ) -> tuple[float, float] | None:
-    """North and east of home; ``named`` are parameters. None where they cannot be read."""
+    """m north and east of home; ``named``: the parameters. None if they cannot be read."""
     given = [named.get(a.text, a) if a.is_name else a for a in (place.north, place.east)]
     try:
         north, east = (quantity(f"{a.text} {a.unit}", "m") for a in given)

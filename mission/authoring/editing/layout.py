@@ -1,9 +1,9 @@
-"""Where statements and places begin and end in a text, in either form: offsets for edits.
+"""Offsets where statements and places begin and end in a text of either form, for edits.
 
-YAML            the marks of its own parser's nodes
-line script     the places of its statements' tokens, and the lines that continue a statement
+YAML            by the marks of the YAML parser's nodes
+line script     by the places of tokens, and the lines that continue a statement
 
-EditError      (the author must act: it says why an edit cannot be made, and what instead)
+EditError      (the author must act: it tells why an edit cannot be made, and what to do instead)
 """
 
 from __future__ import annotations
@@ -39,20 +39,20 @@ class Span:
 
 @dataclass(frozen=True, slots=True)
 class Block:
-    """A statement: its code, and the whole lines that it stands in, the last one's end without."""
+    """A statement: its code, and the whole lines around it without the last line break."""
 
     code: Span
     lines: Span
 
 
 class LineLayout:
-    """Of the line script."""
+    """The layout of a line script."""
 
     def __init__(self, text: str) -> None:
         self.text, self.lines = text, Lines(text)
 
     def places(self, handle: Handle) -> tuple[list[Span], bool]:
-        """Those of the handle's row; whether each stands in lines of its own."""
+        """The places of the handle's row, and whether each stands in lines of its own."""
         return [self._place(place) for place in _row(handle)], False
 
     def statement(self, where: Where) -> Block:
@@ -96,7 +96,7 @@ class LineLayout:
 
 
 class YamlLayout:
-    """Of a text that YAML can read."""
+    """The layout of a YAML text. Raises YamlFault if YAML cannot read it."""
 
     def __init__(self, text: str) -> None:
         self.text, self.lines = text, Lines(text)
@@ -118,12 +118,12 @@ class YamlLayout:
         return spans, not row.flow_style
 
     def _is_text(self, handle: Handle) -> bool:
-        """``north 0 east 0`` in one value, not a table."""
+        """Whether the place is one value (``north 0 east 0``), not a table."""
         one, other = handle.numbers
         return self._above(one.where)[-1] is self._above(other.where)[-1]
 
     def statement(self, where: Where) -> Block:
-        """An item of a block list."""
+        """The item of a block list that contains ``where``."""
         above = self._above(where)
         items = [i for i, node in enumerate(above) if isinstance(node, SequenceNode)]
         if not items or _flows(above[items[-1]]):
@@ -136,7 +136,7 @@ class YamlLayout:
         return Block(code, Span(self.lines.start(first), self.lines.end(last)))
 
     def value(self, *keys: str) -> Node | None:
-        """Of the tables in each other."""
+        """The node under a path of keys; None if there is none."""
         found: Node | None = self.root
         for key in keys:
             pairs = found.value if isinstance(found, MappingNode) else ()
@@ -147,7 +147,7 @@ class YamlLayout:
         return self.text.count("\n", 0, offset) + 1
 
     def span(self, node: Node) -> Span:
-        """Without what follows a block."""
+        """The span of a node, without the blanks and comments behind a block."""
         begin = self._offset(node.start_mark)
         return Span(begin, max(begin, *(self._offset(mark) for mark in _ends(node))))
 
@@ -212,7 +212,7 @@ def _holds(node: Node, at: tuple[int, int]) -> bool:
 
 
 def _ends(node: Node) -> Iterator[object]:
-    """The ends of what a block is made of; a block's own is where the next begins."""
+    """The ends of the parts of a node. YAML puts the end of a block where the next one begins."""
     if isinstance(node, ScalarNode) or _flows(node):
         yield node.end_mark
         return

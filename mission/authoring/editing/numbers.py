@@ -1,6 +1,6 @@
-"""Coordinates as an author would write them: no finer than a decimetre, unless he was.
+"""Write coordinates with sensible decimals: decimetres, or finer if the author wrote finer.
 
-Degrees have seven decimals (a centimetre). A number that does not change stays as it is written.
+Degrees have seven decimals (a centimetre). A number that does not change stays as written.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ def degrees(amount: Amount, value: float) -> str:
 
 
 def metres(amount: Amount, value: float) -> str:
-    """In the unit that the amount has. Raises UnitError for one that is no length's."""
+    """The value in the unit of ``amount``. Raises UnitError if it is no unit of length."""
     quantity(f"0 {amount.unit}", "m")
     factor = UNITS[amount.unit or "m"].factor
     return _written(amount, value / factor, max(0, math.ceil(-math.log10(_METRES / factor) - 1e-9)))
@@ -34,12 +34,12 @@ def _written(amount: Amount, value: float, decimals: int) -> str:
 
 
 def plain(value: float, decimals: int) -> str:
-    """Without an exponent, without zeros at its end."""
+    """A number as text, without exponent and without trailing zeros."""
     text = f"{value:.{decimals}f}"
     text = text.rstrip("0").rstrip(".") if "." in text else text
     return "0" if text in ("-0", "") else text
 
 
 def _decimals(text: str) -> int:
-    """Of a number as it is written; one with an exponent is no finer than is usual."""
+    """The decimals of a number as written; 0 for a number with an exponent."""
     return len(text.partition(".")[2]) if "e" not in text.lower() else 0

@@ -1,8 +1,8 @@
-"""What is added to a text where it has nothing of the kind to copy: legs and areas.
+"""Write new legs and areas for a text that has none of the kind to copy.
 
-    timeout = 1.5 d / (v - c) + 60 s, rounded up to 10 s, as for plans of other programs
+    timeout = 1.5 d / (v - c) + 60 s, rounded up to 10 s, as for imported plans
 
-The depth and the gear of a new leg are those of the mission's last leg that says any.
+A new leg gets the depth and the gear of the mission's last leg that states them.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ from mission.authoring.language.clauses import (
 from mission.model import Where
 from mission.model.shipped import load_vehicle
 
-# What is added, by the word that its place stands behind.
+# What can be added, each with the word before its place.
 LEGS: Mapping[str, str] = MappingProxyType({"goto": "goto", "rows": "from", "loiter": "loiter"})
 AREAS: Mapping[str, str] = MappingProxyType({"keep_out": "keep out", "keep_in": "keep in"})
 
@@ -38,7 +38,7 @@ _ROWS = (("rows", "4"), ("bearing", "90"), ("length", "100 m"), ("spacing", "20 
          ("side", "starboard"))  # fmt: skip
 _ROWS_WAY = 4 * (100.0 + 20.0)  # m
 _CIRCLES = (("radius", "25 m"), ("side", "starboard"))
-_HALF = 25.0  # m, of a new area's sides
+_HALF = 25.0  # m, half of a new area's side
 _GEAR, _DEPTH = "6", "3 m"
 _STEP = 10.0  # s
 
@@ -50,7 +50,7 @@ def fresh_name(read: Draft, stem: str) -> str:
 
 
 def last_leg(read: Draft) -> Where:
-    """Where the last leg or group of the mission begins: what is added comes before it."""
+    """Where the last leg or group of the mission begins; a new leg comes before it."""
     depth, found = 0, None
     for statement in read.statements:
         if isinstance(statement, End):
@@ -64,7 +64,7 @@ def last_leg(read: Draft) -> Where:
 
 
 def timeout(read: Draft, what: str, to: tuple[float, float], near: Handle | None) -> float:
-    """s, from the place before, or from home."""
+    """s for a leg to ``to``, from the place of ``near`` or from home."""
     frame = frame_of(read)
     way = 0.0
     if frame is not None:
@@ -98,7 +98,7 @@ def leg(
 
 
 def place_text(read: Draft, at: tuple[float, float], is_yaml: bool) -> str:
-    """In metres from home where the text names one."""
+    """A place as text: in metres from home if the text names home, else in degrees."""
     frame = frame_of(read)
     if frame is None:
         words, values, decimals, unit = ("latitude", "longitude"), at, 7, ""
@@ -118,7 +118,7 @@ def _clauses(read: Draft) -> Iterator[Clause]:
 
 
 def _said(read: Draft, word: str) -> str:
-    """What the last leg that says it says; "" where none does."""
+    """The amount behind a word in the last leg that has the word; "" if none has it."""
     found = ""
     for clause in _clauses(read):
         if isinstance(clause, Value) and clause.word.text == word and clause.amount is not None:
@@ -141,7 +141,7 @@ def _gear(read: Draft) -> float:
 
 
 def area(read: Draft, layout: Layout, what: str, to: tuple[float, float]) -> tuple[Span, str]:
-    """A square about the place."""
+    """Add a square area around the place."""
     frame = frame_of(read)
     if frame is None:
         raise EditError("an area needs a home: write home in the text first")
@@ -158,7 +158,7 @@ def area(read: Draft, layout: Layout, what: str, to: tuple[float, float]) -> tup
 
 
 def _yaml_area(layout: YamlLayout, what: str, item: str, lead: str) -> tuple[Span, str]:
-    """Into the table of its kind, or with that into safety, or with both behind home."""
+    """Add an area to the table of its kind; if there is none, to safety; else behind home."""
     kind, safety = layout.value("safety", what), layout.value("safety")
     if isinstance(kind, MappingNode):
         return _into(layout, kind, item, lead)

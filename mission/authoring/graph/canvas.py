@@ -1,7 +1,7 @@
-"""Text widths, wrapping, and the few SVG elements that the pictures are made of.
+"""Text widths, wrapping, and the few SVG elements of the pictures.
 
-Widths are those of DejaVu Sans, the widest of the faces that the pictures ask for, so that a text
-that fits here fits in any of them. Coordinates are pixels, y downward.
+Widths are those of DejaVu Sans, the widest of the fonts that the pictures name, so a text that fits
+here fits in all of them. Coordinates are pixels, y downward.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ _ADVANCE = (
 )
 # fmt: on
 _OTHER = 100  # any other character
-_BOLD = 1.13  # of the bold face to the regular one, at most
+_BOLD = 1.13  # greatest ratio of bold to regular widths
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,7 +48,7 @@ def width(text: str, style: Style) -> float:
 
 
 def wrap(text: str, style: Style, room: float) -> list[str]:
-    """Lines no wider than ``room``; a word that is wider by itself is broken."""
+    """Break text into lines no wider than ``room`` px; a word that is wider is broken, too."""
     lines: list[str] = []
     line = ""
     for word in text.split(" "):
@@ -131,7 +131,7 @@ def pill_width(target: str) -> float:
 
 
 def lead(text: str, target: str, room: float) -> tuple[str, ...]:
-    """``text`` in lines of ``room``; behind the last one an arrow and the target's pill fit."""
+    """``text`` in lines of ``room`` px; the last one leaves room for an arrow and the target."""
     lines = wrap(text, WAY, room)
     if target and width(lines[-1], WAY) + 16 + pill_width(target) > room:
         lines.append("")
@@ -141,7 +141,7 @@ def lead(text: str, target: str, room: float) -> tuple[str, ...]:
 def leader(
     lines: tuple[str, ...], target: str, x: float, right: float, y: float, colour: str
 ) -> str:
-    """Lines of text; behind the last one an arrow to the right and the target's pill."""
+    """Draw lines of text; behind the last one an arrow to the right and the target's box."""
     style = replace(WAY, colour=colour)
     parts = [text(x, y + LINE * i, content, style) for i, content in enumerate(lines) if content]
     if target:

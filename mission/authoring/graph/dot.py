@@ -1,7 +1,7 @@
-"""The state graph in the dot language, for those who have Graphviz: plain clusters.
+"""The state graph in the dot language of Graphviz, with a cluster for each group.
 
-Ways into a group end at its first leg, where entering it leads; the group's ways start there too
-and are cut at its border (``compound``).
+Ways into a group end at its first leg, which is the leg that is entered. The group's own ways start
+there, too, and are cut at its border (``compound``).
 """
 
 from __future__ import annotations
@@ -79,7 +79,7 @@ class _Drawing:
         return [*text, *self.any_of(node.path, level + 1), f"{pad}}}"]
 
     def any_of(self, path: str, level: int) -> list[str]:
-        """Where ways begin that leave any state of a cluster for one inside it."""
+        """A node for the begin of ways that lead from any state of a cluster into the cluster."""
         if path not in self.inward:
             return []
         return [f'{"  " * level}{quoted(path + "/*")} [label="in any", shape=plain];']

@@ -1,7 +1,7 @@
-"""What a state graph can be written as: one row per suffix.
+"""The file formats of a state graph: one row per suffix.
 
-``draw`` makes the file's bytes from the chart. Formats that programs read hold the whole chart,
-whatever depth was asked for.
+``draw`` makes the file's bytes from the outline. Formats for programs contain the whole chart, at
+any ``--depth``.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ Draw = Callable[[Outline, bool], bytes]
 class Format:
     suffix: str
     what: str
-    draw: Draw  # the outline; whether with all safety transitions
+    draw: Draw  # takes the outline, and whether to draw all safety transitions
 
 
 _ROWS = (

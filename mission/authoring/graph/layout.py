@@ -1,8 +1,8 @@
-"""Where everything of the picture stands: the outline as rows, the rows in columns of a page.
+"""The layout of the picture: the outline as rows, the rows in columns of a page.
 
     Outline --rows--> [open group | card with its ways | close group] --columns--> Placed
 
-A group stays in one column if it can; where it cannot, its frame is cut and goes on in the next.
+A group stays in one column if possible; if not, its frame is cut and continues in the next column.
 Heights follow from the wrapped texts. What does not live here: colours and SVG.
 """
 
@@ -24,19 +24,19 @@ from mission.authoring.graph.canvas import (
 )
 from mission.authoring.graph.outline import Node, Outline, Way
 
-INSET = 9.0  # of a group's content from its frame
-STEM = 13.0  # of the arrow to the next leg from the card's left edge
-BRANCH = 11.0  # length of a jump's arrow
+INSET = 9.0  # px from a group's frame to its content
+STEM = 13.0  # px from a card's left edge to the arrow to the next leg
+BRANCH = 11.0  # px, length of a jump's arrow
 MIN_COLUMN, MAX_COLUMN = 210.0, 330.0
-GAP = 22.0  # between columns
-CUT = 7.0  # above the first row of a column, for each group that goes on in it
+GAP = 22.0  # px between columns
+CUT = 7.0  # px above the first row of a column, for each group that continues in it
 A4 = 210 / 297
 NARROWEST = 560.0  # px: a small mission need not fill its page
 
 
 @dataclass(frozen=True, slots=True)
 class WayLines:
-    """A way's text, wrapped so that the last line leaves room for the target's pill."""
+    """A way's text, wrapped so that the last line leaves room for the target's box."""
 
     way: Way
     lines: tuple[str, ...]
@@ -45,8 +45,8 @@ class WayLines:
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """``kind``: open, card or close. ``level`` 0 is the mission's own level. ``fall``: an arrow
-    leaves it downward to what follows."""
+    """A row of the picture. ``kind``: open, card or close. ``level`` 0 is the mission's own level.
+    ``fall``: an arrow leads down from it to the next row."""
 
     kind: str
     node: Node
@@ -80,8 +80,8 @@ class Layout:
 
 
 def arrange(outline: Outline, above: float) -> Layout:
-    """The number of columns that prints largest on an A4 page; ``above`` px of its height are
-    taken by head and foot."""
+    """The layout with the number of columns that prints largest on an A4 page; head and foot take
+    ``above`` px of its height."""
     column = _wanted_width(outline)
     rows = _rows(outline, column)
     total = sum(row.height for row in rows)
@@ -91,7 +91,7 @@ def arrange(outline: Outline, above: float) -> Layout:
 
 
 def _cost(layout: Layout, above: float) -> float:
-    """Width in px of the A4 page that holds it, and something for every group that is cut."""
+    """Width in px of the A4 page that holds the layout, plus 10 % for each cut group."""
     page = max(layout.width, (layout.height + above) * A4, NARROWEST)
     return page * (1 + 0.1 * layout.cuts)
 
@@ -157,7 +157,7 @@ def way_lines(outline: Outline, way: Way, room: float) -> WayLines:
 
 
 def _columns(rows: list[Row], column: float, count: int) -> Layout:
-    """At most ``count`` columns, the lowest that hold all rows."""
+    """Arrange the rows in at most ``count`` columns, as low as possible."""
     room = sum(row.height for row in rows) / count
     while len(breaks := _breaks(rows, room)) >= count:
         room *= 1.03
@@ -175,7 +175,8 @@ def _columns(rows: list[Row], column: float, count: int) -> Layout:
 
 
 def _breaks(rows: list[Row], room: float) -> list[int]:
-    """First rows of the further columns: full ones, cut at the outermost level near the end."""
+    """The first rows of the second and later columns; full columns are cut near their end, at the
+    outermost level."""
     result: list[int] = []
     start, used, index = 0, 0.0, 0
     while index < len(rows):
@@ -190,7 +191,7 @@ def _breaks(rows: list[Row], room: float) -> list[int]:
 
 
 def _best_cut(rows: list[Row], start: int, full: int) -> int:
-    """The shallowest place to cut in the last 40 % of the column, the latest of those."""
+    """The cut at the outermost level in the last 40 % of the column, and the last of these."""
     filled = sum(row.height for row in rows[start:full])
     best, height = full, 0.0
     for index in range(full, start, -1):
@@ -207,6 +208,5 @@ def depth_at(row: Row) -> int:
 
 
 def _may_cut(rows: list[Row], index: int) -> bool:
-    """Whether a column may end here: never with a group's head alone at its foot, nor a group's
-    foot alone at the next head."""
+    """Whether a column may end here: not directly after a group's head, nor before its foot."""
     return rows[index - 1].kind != "open" and rows[index].kind != "close"

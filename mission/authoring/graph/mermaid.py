@@ -1,9 +1,8 @@
 """The state graph as a Mermaid ``stateDiagram-v2``.
 
-Mermaid cannot link states inside different composite states, so such a way is drawn between the
-two that stand side by side, and its text names the legs that are meant. Names and texts are any
-characters: identifiers are generated, texts are written with entity codes where Mermaid would
-read syntax.
+Mermaid cannot link states inside different composite states. Such a way is drawn between the two
+composite states, and its text names the legs. Names and texts may have any characters: identifiers
+are generated, and characters that Mermaid could read as syntax become entity codes.
 """
 
 from __future__ import annotations
@@ -20,7 +19,7 @@ def mermaid(outline: Outline, safety: bool = False) -> str:
 
 
 def quoted(text: str) -> str:
-    """Every character that could be syntax as ``#code;``."""
+    """The text with every character that could be syntax as ``#code;``."""
     return "".join(c if c.isalnum() or c in _PLAIN else f"#{ord(c)};" for c in text)
 
 
@@ -61,8 +60,8 @@ class _Diagram:
         self._link(source, way.target, way.text)
 
     def _spread(self, source: str, target: str, text: str) -> None:
-        """Ways out of a composite state; where it holds the target itself, one from each of the
-        others inside it."""
+        """Link a composite state to a target; if the target is inside it, link each of the other
+        states inside instead."""
         if not target.startswith(f"{source}/"):
             self._link(source, target, text)
             return
@@ -71,7 +70,7 @@ class _Diagram:
                 self._spread(path, target, text)
 
     def _link(self, source: str, target: str, text: str) -> None:
-        """Between the ancestors of both that share a parent; legs below them go into the text."""
+        """Link the ancestors of both states that share a parent; the text names the legs below."""
         above_source, above_target = self._chain(source), self._chain(target)
         common = next(path for path in above_source[1:] if path in above_target[1:])
         start = above_source[above_source.index(common) - 1]
@@ -86,7 +85,7 @@ class _Diagram:
             links.append(link)
 
     def _first(self, path: str) -> str:
-        """The leg that entering a node enters."""
+        """The first leg of a node, which is entered with it."""
         node = next((n for n in self.outline.walk() if n.path == path), None)
         while node is not None and node.children:
             node = node.children[0]

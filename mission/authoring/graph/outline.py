@@ -1,12 +1,12 @@
-"""The chart as a reader sees it: legs numbered in order, each with its ways out in words.
+"""The chart for a reader: legs numbered in order, each with its ways out as text.
 
     Chart --outline--> Outline(nodes, ways) --> svg, mermaid, dot, html
 
-Edges that differ only by the round of a repeated group are one way; a way that simply goes on to
-the next leg ``falls``, every other one is a jump and names where it goes. Below ``depth`` levels
-a group is one node that keeps the ways leaving it.
+Edges that differ only by the round of a repeated group are one way. A way that leads to the next
+leg ``falls``; every other way is a jump and names its target. Below ``depth`` levels a group is one
+node with the ways that leave it.
 
-What does not live here: coordinates and syntax of any format. Nothing here runs the chart.
+What does not live here: coordinates and syntax of the formats. Nothing here runs the chart.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from mission.legs import LEGS
 from mission.model import AUTONOMOUS, IMPLICIT_SURFACE, Aims, By, Chart, Edge, State
 from mission.model.extent import PICTURE
 
-ONE_LINE = 44  # characters of a leg's details that stand together
+ONE_LINE = 44  # characters of a leg's details that fit in one line
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,14 +31,14 @@ class Way:
     by: By
     target: str
     falls: bool
-    again: str  # where it leads while a repeated group has rounds left, or ""
+    again: str  # the target while a repeated group has rounds left, or ""
     edges: tuple[Edge, ...]
 
 
 @dataclass(frozen=True, slots=True)
 class Node:
-    """``numbers`` are the first and last leg number in it; a leaf may be a collapsed group. An open
-    group's ``lines`` say what it is to achieve."""
+    """A leg or group. ``numbers``: its first and last leg number. A node without children may be a
+    collapsed group. ``lines``: details of a leg; the goal of an open group."""
 
     path: str
     name: str
@@ -73,7 +73,7 @@ class Outline:
         return tuple(node for node in self.walk() if not node.children)
 
     def label(self, path: str) -> str:
-        """``39 home_run`` for a leg or group shown here, the path itself for other regions."""
+        """``39 home_run`` for a leg or group shown here; the path itself for other regions."""
         for node in self.walk():
             if node.path == path:
                 return node.name if path == IMPLICIT_SURFACE else f"{node.number} {node.name}"
@@ -81,8 +81,8 @@ class Outline:
 
 
 def outline(chart: Chart, depth: int | None = None) -> Outline:
-    """``depth`` >= 1 levels of groups below ``autonomous`` are drawn open; None: all. Raises
-    TooLarge for more than anybody can look at."""
+    """Make the outline of a chart. ``depth`` >= 1: levels of groups below ``autonomous`` that are
+    drawn open; None: all. Raises TooLarge if there are too many nodes for a picture."""
     reader = _Reader(chart, depth)
     nodes = tuple(reader.node(state, 1) for state in reader.children(AUTONOMOUS))
     found = Outline(chart, nodes, reader.ways(AUTONOMOUS, AUTONOMOUS))
@@ -92,7 +92,7 @@ def outline(chart: Chart, depth: int | None = None) -> Outline:
 
 
 class TooLarge(LookupError):
-    """The author must act: draw fewer levels, or a smaller mission."""
+    """The picture has too many nodes; the author must draw fewer levels, or a smaller mission."""
 
 
 class _Reader:
@@ -119,13 +119,13 @@ class _Reader:
             yield from self.below(child.path)
 
     def first(self, path: str) -> str:
-        """The leg that entering ``path`` enters."""
+        """The first leg of ``path``, which is entered with it."""
         while children := self.children(path):
             path = children[0].path
         return path
 
     def shown(self, path: str) -> str:
-        """``path``, or the collapsed group that stands for it."""
+        """``path``, or the collapsed group that contains it."""
         parts = path.split("/")
         if self.depth is None or parts[0] != AUTONOMOUS:
             return path
@@ -162,7 +162,7 @@ class _Reader:
             edges = tuple(same)
             if edges[0].loops:
                 found.append(self._way(edges, shown))
-            else:  # without rounds to tell them apart, each is a way of its own
+            else:  # without rounds, each is a way of its own
                 found += [self._way((edge,), shown) for edge in edges]
         return _joined(found)
 
@@ -205,7 +205,7 @@ def _lines(state: State) -> tuple[str, ...]:
         return ("ascend, proved by the depth; then idle",)
     does, holds = words.kind(state.leg), words.setpoint(state.setpoint)
     told = (*filter(None, (words.outputs(state),)), *_aims(state.leg.achieve))
-    if LEGS[type(state.leg.kind)].ascends:  # what is held while it ascends is all at rest
+    if LEGS[type(state.leg.kind)].ascends:  # in an ascent all of the set is at rest
         return (does, *told)
     whole = " \u00b7 ".join(part for part in (does, holds, *told) if part)
     return (whole,) if len(whole) <= ONE_LINE else (does, holds, *told)
@@ -218,7 +218,7 @@ def _joined(ways: list[Way]) -> tuple[Way, ...]:
         last = next((w for w in result if {w.by, way.by} == {By.TIMEOUT, By.ELSE}), None)
         if last is not None and last.target == way.target:
             timeout = last if last.by is By.TIMEOUT else way
-            # where it falls through there is no target behind the words
+            # if it falls through, no target follows the text
             text = f"{timeout.text}, " + ("refused or blind" if last.falls else "or else")
             edges = last.edges + way.edges
             joined = Way(text, By.TIMEOUT, way.target, last.falls, last.again, edges)

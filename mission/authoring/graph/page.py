@@ -1,4 +1,4 @@
-"""The state graph as one HTML page: the picture, and every leg in a table. Nothing is loaded."""
+"""The state graph as one HTML page: the picture, and a table of all legs. It loads nothing."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
-"""The foot of the picture: idle, autonomous, manual and emergency, drawn apart.
+"""The foot of the picture: the regions idle, autonomous, manual and emergency.
 
-One box per region with its own states and, in the order of the table, the transitions that every
-mission shares. What does not live here: the mission's legs (svg.py).
+There is one box per region with its states and, in the order of the table, the transitions that all
+missions share. What does not live here: the mission's legs (svg.py).
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from mission.model import AUTONOMOUS
 from mission.model.regions import RegionEdge
 
 GAP = 12.0
-SHARES = (0.22, 0.26, 0.23, 0.29)  # of the width, where all four stand in one row
+SHARES = (0.22, 0.26, 0.23, 0.29)  # of the width, if all four stand in one row
 COLOURS = {
     "idle": ("#f8fafc", "#64748b"),
     AUTONOMOUS: ("#eef4fb", "#2563a8"),
@@ -35,7 +35,7 @@ class _Entry:
 
 
 def panel(rows: tuple[RegionEdge, ...], x: float, y: float, room: float) -> tuple[list[str], float]:
-    """The elements, and the height they take, in ``room`` px of width from (x, y)."""
+    """The SVG elements and their height in px; from (x, y), ``room`` px wide."""
     across = len(REGIONS) if room >= 900 else 2
     shares = SHARES if across == len(REGIONS) else (0.5, 0.5)
     parts: list[str] = []

@@ -1,7 +1,7 @@
-"""The SVG as PNG, by resvg, with a font that is certain to be there.
+"""Render the SVG as PNG with resvg, and make sure that there is a font.
 
-resvg draws no text at all where it finds no face, silently: so faces that Python packages bring
-come first, then the machine's own, and a picture without letters is never written.
+resvg silently draws no text if it finds no font. So the fonts of Python packages are tried first,
+then those of the machine, and a picture without letters is never written.
 
     NoFont        (the operator must act: install a font, or take the SVG)
 """
@@ -12,7 +12,7 @@ import importlib.util
 from functools import cache
 from pathlib import Path
 
-_CARRIERS = {  # package -> its folder of faces; found without importing the package
+_CARRIERS = {  # package -> its folder of fonts; found without importing the package
     "font_roboto": "files",
     "matplotlib": "mpl-data/fonts/ttf",
 }
@@ -28,14 +28,14 @@ class NoFont(LookupError):
 
 
 def png(svg: str, zoom: float = 2.0) -> bytes:
-    """``zoom`` px of the picture to one of the SVG. Raises NoFont."""
+    """Render an SVG; ``zoom``: px of the picture for one px of the SVG. Raises NoFont."""
     faces, family = fonts()
     return _render(svg, zoom, faces, family)
 
 
 @cache
 def fonts() -> tuple[tuple[str, ...], str | None]:
-    """Folders of faces, and the family that stands for any other. Raises NoFont."""
+    """Folders of fonts, and the family that replaces any other. Raises NoFont."""
     folders = tuple(str(folder) for folder in _folders())
     for family in (None, "Roboto", "DejaVu Sans", "Liberation Sans", "Noto Sans", "Arial"):
         if _render(_PROBE.format("M"), 1.0, folders, family) != _render(

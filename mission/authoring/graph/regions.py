@@ -1,7 +1,7 @@
-"""The transitions that every mission shares, as the pictures show them.
+"""The transitions that all missions share, as the pictures show them.
 
-The table itself is mission.model.regions, which the machine is built from; here is only which
-of its rows stand on every picture and which where the safety transitions are asked for.
+The table itself is mission.model.regions, from which the machine is built. This module only selects
+its rows for every picture, and for pictures with all safety transitions.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ def region(path: str) -> str:
 
 
 def shared(safety: bool) -> tuple[RegionEdge, ...]:
-    """All rows, or those that a reader of the mission needs."""
+    """All rows with ``safety``, else those that a reader of the mission needs."""
     return tuple(
         row
         for row in REGION_EDGES
@@ -40,5 +40,5 @@ def shared(safety: bool) -> tuple[RegionEdge, ...]:
 
 
 def target(row: RegionEdge) -> str:
-    """Where it leads, with the whole region for "whichever leg"."""
+    """The target of a row; the region ``autonomous`` if any leg may be the target."""
     return AUTONOMOUS if row.target == LEG else row.target

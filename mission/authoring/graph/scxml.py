@@ -1,17 +1,17 @@
 """The chart as SCXML that another engine can run (W3C SCXML 1.0, ecmascript datamodel).
 
-A guard is an event: ``events(chart)`` names the one that stands for each of the chart's triggers
-("rows.turn.until1": the first ``until`` of that leg has become true). The edges that differ only
-by the rounds of repeated groups share one event, and the engine that runs the file picks among
-them by its own counters: ``round1`` .. ``roundN`` in the datamodel count as Edge's docstring says,
-in expressions that mean the same in ECMAScript and in Python. Events that all missions share are
-named by ``event_of`` (load, clear, start, stick, X, W, limit, ...); ``start`` begins with the first
-leg, ``resume`` leads from manual back into the interrupted one, by a deep history.
-
-A handler (``on``) leaves the active leg up to the group around it that also holds the target: so
-it stands once in every group between its own and the target's, the innermost active one wins; the
-leg it leads to, and the implicit leg, swallow its event. The second time that it acts, it leads to
-the implicit leg: ``acted1`` .. ``actedN`` remember the first.
+- A guard is an event. ``events(chart)`` has the event of each trigger of the chart
+  ("rows.turn.until1": the first ``until`` of that leg has become true).
+- Edges that differ only by the rounds of repeated groups share one event. The engine that runs the
+  file selects among them by the counters ``round1`` .. ``roundN`` of the datamodel. They count as
+  Edge's docstring describes, in expressions that mean the same in ECMAScript and in Python.
+- ``event_of`` names the events that all missions share (load, clear, start, stick, X, W, limit,
+  ...). ``start`` begins with the first leg; ``resume`` leads from manual back into the interrupted
+  leg, by a deep history.
+- A handler (``on``) leaves the active leg up to the innermost group that also contains the target.
+  So it stands once in each group between its own and the target's, and the innermost active one
+  acts. Its target leg and the implicit leg ignore its event. The second time it leads to the
+  implicit leg: ``acted1`` .. ``actedN`` record the first time.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ RESUME = "resume"
 
 
 def events(chart: Chart) -> Mapping[str, str]:
-    """The event that stands for each trigger, unique per guard (or timer) of a source."""
+    """The event of each trigger, unique per guard (or timer) of a source."""
     names: dict[str, str] = {}
     counts: dict[str, int] = {}
     previous: Edge | None = None
@@ -47,19 +47,20 @@ def events(chart: Chart) -> Mapping[str, str]:
 
 
 def event_of(row: RegionEdge) -> str:
-    """The event of a row of the region table; where a name has several targets, with the target."""
+    """The event of a row of the region table; with the target if a name has several."""
     several = {r.target for r in REGION_EDGES if (r.name, r.source) == (row.name, row.source)}
     name = row.name.replace(" ", "_")
     return name if len(several) == 1 else f"{name}.{row.target.rpartition('/')[2]}"
 
 
 def _alike(one: Edge, other: Edge) -> bool:
-    """Two exits of a leg may have one guard: then the place in the text tells them apart."""
+    """Whether two edges are of the same exit. Exits of a leg with equal guards differ by their
+    places in the text."""
     return all(getattr(one, n) == getattr(other, n) for n in ("source", "by", "guard", "where"))
 
 
 def identifier(path: str) -> str:
-    """An XML name; whatever is no letter, digit or ``_`` in a leg's name becomes its code."""
+    """The path as XML name; characters other than letters, digits and ``_`` become their codes."""
     return re.sub(r"[^A-Za-z0-9_.]", lambda m: f"-{ord(m[0]):x}-", path.replace("/", "."))
 
 
@@ -162,11 +163,11 @@ class _Writer:
         return path
 
     def _above(self, leg: str) -> list[Edge]:
-        """The handlers of the groups around a leg."""
+        """The edges of the groups around a leg: their handlers."""
         return [e for e in self.chart.edges if leg.startswith(f"{e.source}/")]
 
     def _handlers(self, path: str, pad: int) -> list[str]:
-        """Its own, and those from further out whose target lies in this group."""
+        """The handlers of the group, and those of outer groups whose target is in this group."""
         rows: list[str] = []
         for edge in self.chart.edges:
             holds = edge.target.startswith(f"{path}/") and path.startswith(f"{edge.source}/")
@@ -175,13 +176,14 @@ class _Writer:
         return rows
 
     def _again(self, edge: Edge, pad: int) -> str:
-        """The row that is tested before the handler's own, for its second time."""
+        """The transition for the second time of a handler; it is tested before the first one's."""
         event = self.events[edge.trigger]
         target, cond = identifier(IMPLICIT_SURFACE), f"{self.acted[event]} > 0"
         return " " * pad + element("transition", event=event, cond=cond, target=target)
 
     def _edge(self, edge: Edge, pad: int, inside: str | None = None) -> str:
-        """``inside``: the group that a handler stands in; it is not left if it holds the target."""
+        """The transition of an edge. ``inside``: the group of a handler; the transition does not
+        leave this group if the target is in it."""
         event = self.events[edge.trigger]
         attributes: dict[str, object] = {"event": event}
         if edge.loops:
@@ -207,14 +209,14 @@ class _Writer:
         return element("assign", location=name, expr=f"{name} + 1" if loop.again else "1")
 
     def _entering(self, above: str, target: str) -> str:
-        """Groups between ``above`` and the target are entered: their rounds start at 1."""
+        """Start the rounds at 1 of the groups that are entered between ``above`` and the target."""
         parts = target.split("/")
         entered = ["/".join(parts[:n]) for n in range(above.count("/") + 2, len(parts))]
         return "".join(element("assign", location=self.rounds[path], expr="1") for path in entered)
 
 
 def _common(one: str, other: str) -> str:
-    """The innermost state that holds both (``one`` itself counts)."""
+    """The innermost state that contains both (``one`` itself counts)."""
     while not other.startswith(f"{one}/"):
         one = one.rpartition("/")[0]
         if not one:

@@ -1,10 +1,12 @@
 """The state graph as SVG: nested boxes in columns on one page, readable with forty legs.
 
-A card is a leg: its number and name, what it does, its complete set. Under it hang its ways out
-in the order in which they are tried: the arrow downward goes on to the next leg, every other way
-leads to the right, to the name of its leg. A group is a frame; the arrow upward at its left edge
-says that it is flown again. Idle, manual and emergency stand apart at the foot (panel.py). Cards
-and frames have their state's path as ``data-path``, so that a viewer can light the active one.
+- A card is a leg: its number and name, what it does, its complete set. Below it are its ways out in
+  the order in which they are tested. The arrow downward leads to the next leg; every other way
+  leads to the right, to the name of its target.
+- A group is a frame; an arrow upward at its left edge shows that the group repeats.
+- Idle, manual and emergency stand at the foot (panel.py).
+- Cards and frames have their state's path as ``data-path``, so a viewer can highlight the active
+  one.
 """
 
 from __future__ import annotations
@@ -58,7 +60,8 @@ ROUNDS = Style(9.0, LOOP, anchor="end")
 
 
 def svg(outline: Outline, safety: bool = False) -> str:
-    """``safety``: every transition that all missions share, not only the usual ones."""
+    """Draw the picture. ``safety``: draw all transitions that missions share, not only the usual
+    ones."""
     layout = arrange(outline, 380.0 if safety else 250.0)
     page = max(layout.width, NARROWEST) + 2 * MARGIN
     shift = (page - layout.width) / 2
@@ -71,7 +74,7 @@ def svg(outline: Outline, safety: bool = False) -> str:
 
 
 def _head(outline: Outline, page: float) -> tuple[list[str], float]:
-    """Title, conditions and the mission's own handlers; where the legs begin."""
+    """Title, conditions and the mission's own handlers; and the y at which the legs begin."""
     mission, chart = outline.chart.mission, outline.chart
     legs = sum(1 for s in chart.states if s.leg is not None and s.path != IMPLICIT_SURFACE)
     home = shown.place(mission.home) if mission.home is not None else "where it starts"
@@ -97,7 +100,7 @@ def _head(outline: Outline, page: float) -> tuple[list[str], float]:
 
 
 def _onward(layout: Layout) -> list[str]:
-    """Under a column's last arrow, the leg at the head of the next column."""
+    """Below the last arrow of a column, the number of the first leg of the next column."""
     parts: list[str] = []
     for before, after in pairwise(layout.rows):
         if before.column != after.column and before.row.fall:
@@ -111,7 +114,7 @@ def _onward(layout: Layout) -> list[str]:
 
 
 def _frames(layout: Layout) -> list[str]:
-    """One frame per group and column it stands in, outer ones first."""
+    """One frame for each group and each of its columns, outer ones first."""
     parts: list[tuple[int, str]] = []
     for index, placed in enumerate(layout.rows):
         if placed.row.kind != "open":
@@ -126,7 +129,7 @@ def _frames(layout: Layout) -> list[str]:
 
 
 def _frame(group: Placed, piece: list[Placed], x: float) -> str:
-    """``piece``: the rows of one column that belong to the group, its head and foot included."""
+    """Draw a frame. ``piece``: the rows of the group in one column, with its head and foot."""
     node, level = group.row.node, group.row.level
     first, last = piece[0], piece[-1]
     opened, closed = first is group, last.row.kind == "close" and last.row.node is node
@@ -196,7 +199,7 @@ def _card(placed: Placed) -> str:
 
 
 def _stem(placed: Placed, top: float) -> list[str]:
-    """The ways out, hanging under the card from one vertical line."""
+    """The ways out below a card, along one vertical line."""
     row, x = placed.row, placed.x + STEM
     parts: list[str] = []
     y, reach = top + 11, top

@@ -1,4 +1,4 @@
-"""The chart as JSON: its tables, for programs. Guards stand as a tree and as text, SI and radians.
+"""The tables of the chart as JSON, for programs. Guards are trees and text; SI and radians.
 
 {mission, vehicle, digest, initial, states: [...], edges: [...], regions: [...]}
 """

@@ -1,8 +1,8 @@
-"""What a chart's parts are called on a picture: guards, setpoints, kinds of legs, times.
+"""The texts of a chart's parts on pictures: guards, setpoints, kinds of legs, times.
 
-Plain characters only (ASCII, Latin-1 and the two signs for "at least" and "at most"), because a
-picture is shown with whatever font the machine has. What does not live here: the canonical text
-of a mission (mission.authoring.language).
+They use plain characters only (ASCII, Latin-1 and the signs for "at least" and "at most"), because
+a picture is shown in any font of the machine. What does not live here: the canonical text of a
+mission (mission.authoring.language).
 """
 
 from __future__ import annotations
@@ -74,12 +74,12 @@ def guard(value: Guard) -> str:
 
 
 def kind(leg: Leg) -> str:
-    """What the leg does beside holding its set; "" for a plain hold."""
+    """What the leg does in addition to its set; "" for a plain hold."""
     return LEGS[type(leg.kind)].shown(leg.kind)
 
 
 def setpoint(value: Setpoint | None) -> str:
-    """The leg's complete set, axis by axis; an axis at rest is left out."""
+    """The leg's complete set, axis by axis; axes at rest are left out."""
     if value is None:
         return ""
     words = []
@@ -106,12 +106,12 @@ def setpoint(value: Setpoint | None) -> str:
 
 
 def outputs(value: State) -> str:
-    """What it sets beside the motion, safe ones too: all that the mission names."""
+    """The values of all outputs that the mission names, also the safe ones."""
     return ", ".join(f"{name} {number(level)}" for name, level in value.outputs)
 
 
 def edge(value: Edge, leg: Leg | None) -> str:
-    """What takes this way, as text for an arrow."""
+    """The condition of a way, as text for an arrow."""
     if value.guard is not None:
         return guard(value.guard)
     match value.by:
@@ -160,6 +160,6 @@ def safety(mission: Mission) -> str:
 
 
 def area(value: Area) -> str:
-    """Its name, and the depths between which it counts."""
+    """The name of an area, and the depths between which it counts."""
     between = f" ({number(value.top)} to {number(value.bottom)} m)" if value.limited else ""
     return f"keep {'out' if value.out else 'in'} {value.name}{between}"

@@ -1,9 +1,9 @@
-"""Plans of other programs, read into routes: one row per format, one file each.
+"""Import the plans of other programs as routes: one row per format, one file each.
 
     bytes --format.read--> Source --writing.mission_of--> Mission --> YAML, which the check judges
 
-A format is known by the file's suffix. What cannot be taken over is refused, or named with its
-line or path among what was left out.
+The file's suffix tells the format. An element that cannot be imported is refused, or reported with
+its line or path as left out.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ FORMATS: Mapping[str, Format] = MappingProxyType({row.name: row for row in _ROWS
 
 
 def format_of(path: Path, found: Findings) -> Format:
-    """By the suffix. Raises ImportErrors."""
+    """The format of a file, by its suffix. Raises ImportErrors."""
     for row in FORMATS.values():
         if path.suffix.lower() in row.suffixes:
             return row
@@ -56,12 +56,12 @@ def format_of(path: Path, found: Findings) -> Format:
 
 
 def load(path: Path, format_: Format, found: Findings) -> Source:
-    """Raises ImportErrors, also for a file that cannot be read."""
+    """Read a plan. Raises ImportErrors, also if the file cannot be read."""
     return format_.read(data_of(path, found), found)
 
 
 def data_of(path: Path, found: Findings) -> bytes:
-    """Of the file. Raises ImportErrors."""
+    """The bytes of a file. Raises ImportErrors if it cannot be read, or is too large."""
     try:
         with path.open("rb") as file:
             data = file.read(BYTES.most + 1)
@@ -72,7 +72,7 @@ def data_of(path: Path, found: Findings) -> bytes:
 
 
 def bounded(data: bytes, found: Findings) -> bytes:
-    """Raises ImportErrors for more than any plan has."""
+    """Return ``data``. Raises ImportErrors if it is larger than any plan."""
     found.read_in(data)
     if len(data) > BYTES.most:
         raise found.refusal("too-long", "", f"it has {BYTES.exceeded}, which no plan has")
@@ -80,7 +80,7 @@ def bounded(data: bytes, found: Findings) -> bytes:
 
 
 def chosen(source: Source, name: str | None, found: Findings) -> Route:
-    """The route of that name; without a name the only one. Raises ImportErrors."""
+    """The route of that name, or the only route. Raises ImportErrors."""
     fits = [route for route in source.routes if name is None or route.name == name]
     if len(fits) == 1:
         return fits[0]

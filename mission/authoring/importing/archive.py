@@ -1,4 +1,4 @@
-"""One member of a ZIP file, read in bounds: a small file may unpack to gigabytes."""
+"""Read one member of a ZIP file, with a limit, since a small file may unpack to gigabytes."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ def is_archive(data: bytes) -> bool:
 
 
 def member(data: bytes, suffix: str, first: str, found: Findings) -> bytes:
-    """The bytes of the file that is called ``first``, else of the only one with the suffix.
-    Raises ImportErrors."""
+    """The bytes of the member named ``first``, or else of the only one with the suffix. Raises
+    ImportErrors."""
     try:
         with zipfile.ZipFile(io.BytesIO(data)) as archive:
             name = _chosen(archive.namelist(), suffix, first, found)

@@ -1,7 +1,8 @@
-"""GeoJSON (RFC 7946): each LineString is a route. A position is longitude, latitude, and perhaps
-metres upward; WGS 84 is the only datum, which a ``crs`` of before RFC 7946 may say.
+"""GeoJSON (RFC 7946): each LineString is a route, and each line of a MultiLineString.
 
-A MultiLineString is a route for each of its lines. Points have no order, and areas are no path.
+A position is longitude, latitude, and perhaps metres upward. WGS 84 is the only datum; a ``crs``
+(older than RFC 7946) may state it. Points are left out since they have no order, and areas since
+they are no path.
 """
 
 from __future__ import annotations
@@ -35,12 +36,12 @@ def read(data: bytes, found: Findings) -> Source:
 
 
 def areas(data: bytes, found: Findings) -> Source:
-    """Each Polygon, as the corners of what it encloses: for who wants to cover it."""
+    """Each Polygon as a route of its corners, for a leg that covers the area."""
     return Source(tuple(_areas(_root(data, found), "", found)))
 
 
 def _root(data: bytes, found: Findings) -> Value:
-    """Refuses places that are not in longitude and latitude of WGS 84."""
+    """The root value. Raises ImportErrors if its places are not in WGS 84."""
     root = values(data, found)
     crs = root.get("crs")
     name = crs.get("properties").get("name").text()
@@ -69,7 +70,7 @@ def _areas(value: Value, name: str, found: Findings) -> Iterator[Route]:
 
 
 def _corners(rings: Value, found: Findings) -> tuple[Step, ...]:
-    """Of the only ring, whose last corner is its first."""
+    """The corners of the only ring; its last corner repeats the first and is dropped."""
     outer = list(rings.items())
     if len(outer) != 1:
         what = "an area with holes" if outer else "an area without corners"

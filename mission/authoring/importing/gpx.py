@@ -1,7 +1,7 @@
 """GPX 1.0 and 1.1 (topografix.com/GPX/1/1): each ``rte`` is a route, its ``rtept`` in order.
 
-``ele`` is metres upward. OpenCPN adds ``arrival_radius`` in nautical miles to a point. ``wpt`` have
-no order, and a ``trk`` is where somebody was: both are left out.
+``ele`` is metres upward. OpenCPN adds ``arrival_radius`` in nautical miles to a point. ``wpt`` are
+left out since they have no order, and ``trk`` since a track is no plan.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ def read(data: bytes, found: Findings) -> Source:
 
 
 def tracks(data: bytes, found: Findings) -> Source:
-    """Each ``trkseg`` of each ``trk``: where somebody was, for who wants to go there again."""
+    """Each ``trkseg`` of each ``trk`` as a route, to follow a recorded track again."""
     root = elements(data, "gpx", found)
     return Source(
         tuple(

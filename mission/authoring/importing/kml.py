@@ -1,8 +1,8 @@
-"""KML 2.2 (OGC 07-147r2), and KMZ, a ZIP file that holds one: each LineString is a route.
+"""KML 2.2 (OGC 07-147r2), and KMZ (a ZIP file with a KML file): each LineString is a route.
 
-A Polygon and a LinearRing are areas: no path, but the corners of what somebody wants to cover.
-``coordinates`` are "longitude,latitude,height" separated by white space. The height counts with
-altitudeMode absolute (from the sea's level), and relativeToSeaFloor (an altitude).
+A Polygon and a LinearRing are areas and no routes; a leg that covers an area can use their corners.
+``coordinates`` are "longitude,latitude,height" separated by white space. The height is used with
+altitudeMode absolute (above sea level) and relativeToSeaFloor (an altitude).
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ def read(data: bytes, found: Findings) -> Source:
 
 
 def areas(data: bytes, found: Findings) -> Source:
-    """Each Polygon and each LinearRing by itself, as its corners: for who wants to cover it."""
+    """Each Polygon, and each LinearRing outside one, as its corners, for a leg that covers it."""
     return Source(tuple(_areas(_root(data, found), "", found)))
 
 
@@ -62,7 +62,7 @@ def _root(data: bytes, found: Findings) -> Element:
 
 
 def _outside(element: Element) -> Iterator[Element]:
-    """It and all below, but for what is inside of a Polygon."""
+    """The element and all its descendants, except those inside a Polygon."""
     yield element
     for child in element.children if element.name != "Polygon" else ():
         yield from _outside(child)
@@ -83,7 +83,7 @@ def _areas(element: Element, name: str, found: Findings) -> Iterator[Route]:
 
 
 def _corners(ring: Element, found: Findings) -> tuple[Step, ...]:
-    """Its last corner is its first."""
+    """The corners of a ring; its last corner repeats the first and is dropped."""
     return _steps(ring, found)[:-1]
 
 

@@ -1,10 +1,12 @@
 """Items of a MAVLink mission (mavlink.io/en/messages/common.html, MAV_CMD and MAV_FRAME) as steps.
 
-The vehicle's home is on the water, so that a negative height is a depth in every frame but the two
-above terrain, where a positive one is an altitude. A height of 0 is the surface where other items
-are under water; where none is, a boat's plan, it says nothing of the depth. Items beyond 176 work
-payload and autopilot: they are left out. What changes where the vehicle goes and has no counterpart
-is refused.
+Heights: home is on the water, so a negative height is a depth. In the two terrain frames a positive
+height is an altitude. A height of 0 is the surface if other items are under water; if none is (the
+plan of a boat), it tells nothing about the depth.
+
+Commands from 95 on (conditions, payload, autopilot) and takeoff are left out, except a change of
+speed (178), which is used, and a jump (177). A jump, and commands below 95 without a counterpart,
+are refused, since they change where the vehicle goes.
 """
 
 from __future__ import annotations
@@ -36,7 +38,8 @@ _TERRAIN = frozenset({10, 11})
 
 @dataclass(frozen=True, slots=True)
 class Item:
-    """``numbers``: four parameters, then latitude, longitude, height; None where none is given."""
+    """One item. ``numbers``: four parameters, then latitude, longitude, height; None if not
+    given."""
 
     command: int
     frame: int
@@ -51,7 +54,7 @@ def steps_of(items: Iterable[Item], found: Findings) -> tuple[Step, ...]:
 
 
 class _Reader:
-    """Items in turn; a change of speed holds for those that follow."""
+    """Reads items in turn; a change of speed applies to all later items."""
 
     def __init__(self, found: Findings, dives: bool) -> None:
         self._found, self._dives = found, dives
@@ -145,7 +148,7 @@ def _has_place(item: Item) -> bool:
 
 
 def place_of(item: Item, found: Findings) -> Position | None:
-    """Latitude and longitude, of which 0, 0 means that none is given."""
+    """The position of an item; 0, 0 means that none is given, which is refused."""
     latitude, longitude = item.numbers[4], item.numbers[5]
     if latitude is None or longitude is None or not _has_place(item):
         found.refuse("position", item.where, "it has no latitude and longitude")

@@ -8,7 +8,7 @@
       points = 60,-40 : 60,-160  x east, y north of LatOrigin, LongOrigin of the .moos file
     }
 
-A behavior file is a program: conditions, modes and all other behaviors are left out.
+A behavior file is a program; its conditions, modes and other behaviors are left out.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ class _Behavior:
     said: list[tuple[str, str, At]] = field(default_factory=list)  # key, value, where
 
     def get(self, *keys: str) -> tuple[str, At]:
-        """The last value that stands under one of the keys, and where; "" where none does."""
+        """The last value of one of the keys, and its line; "" if there is none."""
         rows = [(value, where) for key, value, where in self.said if key in keys]
         return rows[-1] if rows else ("", self.where)
 
@@ -100,7 +100,7 @@ def _amount(behavior: _Behavior, found: Findings, *keys: str) -> float | None:
 
 
 def _pairs(text: str, where: At, found: Findings) -> list[str]:
-    """``pts={1,2:3,4}`` and ``1,2 : 3,4``; a pattern that MOOS would expand is refused."""
+    """Split ``pts={1,2:3,4}`` or ``1,2 : 3,4`` into points; refuse a pattern that MOOS expands."""
     inner = text.partition("pts={")[2].partition("}")[0] if "pts={" in text else text
     if "=" in inner or "{" in inner:
         found.refuse("no-counterpart", where, f"a pattern: {text[:40]!r}", "write its points")

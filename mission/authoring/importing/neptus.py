@@ -2,8 +2,8 @@
 
     mission-def/definitions/home-reference, mission-def/body/plan/graph/(node | edge)
 
-Each plan is a route: the chain of its nodes along the edges, all of which say "done". Latitudes are
-50N12'3.4'', 50N12.5', 41.18N, N41.18 or decimal; a point may carry offsets in metres on top.
+Each plan is a route: the chain of its nodes along the edges, whose guards must all be "done".
+Latitudes are 50N12'3.4'', 50N12.5', 41.18N, N41.18 or decimal. A point may have offsets in metres.
 """
 
 from __future__ import annotations
@@ -72,7 +72,8 @@ def _steps(plan: Element, found: Findings) -> tuple[Step, ...]:
 
 
 def _chain(graph: Element, found: Findings) -> Iterator[Element]:
-    """The nodes from the first one on. Two ways out of one, or a way back, make no chain."""
+    """The nodes from the first one on. Refuse a way back to an earlier node; report nodes that the
+    chain does not reach."""
     nodes = {node.said("id"): node for node in graph.all("node")}
     ways = _ways(graph, found)
     first = [n for n, node in nodes.items() if node.attributes.get("start") == "true"]
@@ -152,7 +153,8 @@ def _pop_up(element: Element, point: Point, found: Findings) -> tuple[Step, ...]
 
 
 def _rows(element: Element, point: Point, found: Findings) -> tuple[Step, ...]:
-    """Width across and length along, as RowsManeuver.java reads them; unsaid, length is width."""
+    """Rows: width across, length along, as in RowsManeuver.java; without a length, it is the
+    width."""
     width, step = _size(element, found, "width"), _size(element, found, "hstep")
     length = _size(element, found, "length") if element.said("length") else width
     bearing = number(element.said("bearing"), "bearing", element.where, found)
@@ -181,7 +183,7 @@ def _yoyo(element: Element, point: Point, found: Findings) -> tuple[Step, ...]:
 
 
 def _follow(element: Element, point: Point, found: Findings) -> tuple[Step, ...]:
-    """Offsets (m) from the base point, in turn."""
+    """A step to each offset (m) from the base point, in turn."""
     if not isinstance(point.place, Position):
         return ()
     path = element.one("path")
@@ -221,7 +223,7 @@ def _point(holder: Element, element: Element, name: str, found: Findings) -> Poi
 
 
 def _place(holder: Element, found: Findings) -> Position | None:
-    """Latitude and longitude anywhere below, and offsets on top."""
+    """The position by latitude and longitude anywhere below, plus offsets in m."""
     said = {inner.name: inner for inner in holder.within()}
     if "latitude" not in said or "longitude" not in said:
         found.refuse("position", holder.where, "no latitude and longitude")
@@ -269,7 +271,7 @@ def _moved(place: Position, north: float, east: float) -> Position:
 
 
 def _vertical(holder: Element, found: Findings) -> tuple[float | None, float | None]:
-    """Depth and altitude; of old files ``depth`` alone, where a negative one is an altitude."""
+    """Depth and altitude. Old files have only ``depth``; there a negative value is an altitude."""
     said = {inner.name: inner.text.strip() for inner in holder.within()}
     units = said.get("zunits", "")
     text = said.get("z") if units else said.get("depth")
@@ -299,7 +301,7 @@ def _speed(element: Element, found: Findings) -> float | None:
 
 
 def _size(element: Element, found: Findings, *path: str) -> float | None:
-    """The size at the path; its sign says nothing."""
+    """The absolute value of the number at the path; None if there is none."""
     if not element.said(*path):
         return None
     value = number(element.said(*path), path[-1], element.where, found)

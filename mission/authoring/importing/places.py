@@ -1,8 +1,8 @@
-"""Files of places for a leg: the route of a plan (any format of import), a track, an area, a table.
+"""Read the places of a leg from a file: a route (any import format), a track, an area, a table.
 
     table    .csv: a first line that names latitude and longitude, then degrees, one place a line
 
-Only the places are taken, and the same place twice in a row once.
+Only the places are used; a place that comes twice in a row counts once.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from mission.model import Place
 from mission.model.extent import BYTES
 
 _LATITUDE, _LONGITUDE = ("latitude", "lat", "y"), ("longitude", "lon", "lng", "long", "x")
-# Where a file has no route: what else of it may be meant.
+# What to read from a file without a route.
 _INSTEAD: Mapping[str, Callable[[bytes, Findings], Source]] = MappingProxyType(
     {"gpx": gpx.tracks, "geojson": geojson.areas, "kml": kml.areas}
 )
@@ -29,12 +29,12 @@ _COLUMNS = "begin with a line such as latitude,longitude"
 
 
 def beside(mission: Path) -> Files:
-    """Reads files by their paths from the folder in which the mission lies."""
+    """A reader of files whose paths are relative to the mission's folder."""
     return lambda name: places_in(mission.parent / name)
 
 
 def places_in(path: Path) -> Sequence[Place]:
-    """Raises PlacesError."""
+    """The places in a file. Raises PlacesError."""
     found = Findings(str(path))
     try:
         places = list(_table(path, found) if path.suffix.lower() == ".csv" else _route(path, found))
@@ -91,7 +91,7 @@ def _table(path: Path, found: Findings) -> Iterator[Place]:
 
 
 def _rows(text: str, found: Findings) -> Iterator[tuple[int, list[str]]]:
-    """With the number of its line."""
+    """The rows of a table, each with its line number."""
     rows = csv.reader(text.splitlines())
     try:
         for row in rows:

@@ -1,10 +1,12 @@
 """QGroundControl's .plan (docs.qgroundcontrol.com, plan file format): JSON, fileType "Plan".
 
-A SimpleItem is a MAVLink item; a ComplexItem of a survey carries the items it was expanded to. Home
-stands apart, and is no item. Polygons and circles of the GeoFence are areas to keep in, or out of.
-A circle is a polygon of ``_ROUND`` corners, on the circle or about it: it allows no more. Of
-several fences to keep in some autopilots ask for all and others for one, so they are refused.
-Rally points are left out.
+- A SimpleItem is a MAVLink item. A ComplexItem of a survey contains the items of its expansion.
+- Home is stored apart and is no item.
+- Polygons and circles of the GeoFence become areas to keep in or out. A circle becomes a polygon of
+  ``_ROUND`` corners: inside the circle (keep in) or around it (keep out), so that it never allows
+  more than the circle.
+- Several fences to keep in are refused, since autopilots differ: in all of them, or in one.
+- Rally points are left out.
 """
 
 from __future__ import annotations
@@ -75,7 +77,7 @@ def _is_out(value: Value, found: Findings) -> bool:
 
 
 def _ring(center: Position, radius: float) -> tuple[Position, ...]:
-    """Corners of a polygon, ``radius`` m from the center."""
+    """The corners of a regular polygon, ``radius`` m from the center."""
     frame = LocalFrame(center)
     turns = [math.tau * i / _ROUND for i in range(_ROUND)]
     places = [frame.to_geodetic(radius * math.cos(t), radius * math.sin(t)) for t in turns]

@@ -1,9 +1,9 @@
-"""What a plan of somebody else's says: routes of steps, and what of the file is not among them.
+"""The model of an imported plan: routes of steps, and a list of what was left out.
 
-Readers (one file per format) make a ``Source``; ``writing`` makes a mission of one of its routes.
-What a file does not say is None here, and asked for by an option there.
+Readers (one file per format) make a ``Source``; ``writing`` makes a mission from one of its routes.
+A value that a file does not state is None here; ``writing`` takes it from an option.
 
-    ImportErrors      (the author must act; holds everything that is wrong, by line or path)
+    ImportErrors      (the author must act; holds all errors, by line or path)
 """
 
 from __future__ import annotations
@@ -16,15 +16,15 @@ from mission.model import Local, Position, Where
 from mission.model.diagnostics import Diagnosed, Diagnostics, Stage
 from mission.model.texts import NOWHERE
 
-At = int | str  # where in a file: its line, a path such as ``items[3].type``, "" for all of it
+At = int | str  # a place in a file: its line, a path such as ``items[3].type``, "" for the file
 
 
 class ImportErrors(Diagnosed):
-    """A file cannot be taken over."""
+    """A file cannot be imported."""
 
 
 class Findings:
-    """Collects, while a file is read, what is wrong with it and what is left out of it."""
+    """Collects the errors of a file, and what is left out of it, while it is read."""
 
     def __init__(self, source: str) -> None:
         self._source = source
@@ -32,39 +32,41 @@ class Findings:
         self.read_in(b"")
 
     def read_in(self, data: bytes) -> None:
-        """The text whose lines are shown, without control characters: anybody may have made it."""
+        """Set the text whose lines are shown in messages. Control characters are replaced, since
+        the file may be hostile."""
         text = data.decode("utf-8", "replace")
         shown = "".join(c if c.isprintable() or c in "\t\n" else "?" for c in text)
         self._wrong = Diagnostics(Stage.IMPORT, shown, self._source, ImportErrors)
         self._rows = shown.split("\n")
 
     def refuse(self, code: str, where: At, message: str, hint: str = "") -> None:
-        """Something is wrong; the reading goes on, and fails at its end."""
+        """Record an error; reading continues, and fails at its end."""
         self._wrong.add(code, self._place(where), _told(where, message), hint)
 
     def refusal(self, code: str, where: At, message: str, hint: str = "") -> Diagnosed:
-        """With this one, after which there is no reading on."""
+        """The exception to raise for an error after which reading cannot continue; it holds all
+        errors so far."""
         return self._wrong.refusal(code, self._place(where), _told(where, message), hint)
 
     def complain(self) -> None:
-        """Raises ImportErrors if anything is wrong."""
+        """Raise ImportErrors if there are errors."""
         self._wrong.complain()
 
     def _place(self, where: At) -> Where:
-        """A line is meant whole, without what it is indented by."""
+        """The whole line, without its indentation; NOWHERE for a path."""
         if isinstance(where, str):
             return NOWHERE
         row = self._rows[where - 1] if 0 < where <= len(self._rows) else ""
         return Where(where, len(row) - len(row.lstrip()) + 1, len(row.strip()))
 
     def leave_out(self, where: At, what: str) -> None:
-        """The mission will not have it; the same again is counted."""
+        """Record something that the mission will not have; repetitions are counted."""
         first, count = self._left_out.get(what, (where, 0))
         self._left_out[what] = (first, count + 1)
 
     @property
     def left_out(self) -> tuple[str, ...]:
-        """One line for each: where it stands first, what it is, how often."""
+        """One line for each thing left out: its first place, what it is, how often."""
         rows = []
         for what, (where, count) in self._left_out.items():
             more = f" (and {count - 1} more)" if count > 1 else ""
@@ -77,13 +79,13 @@ def said(where: At) -> str:
 
 
 def _told(where: At, message: str) -> str:
-    """Behind its path, if it has one: Diagnostics know no other place than lines."""
+    """The message behind its path, if there is one, since Diagnostics only have lines."""
     return f"{where}: {message}" if isinstance(where, str) and where else message
 
 
 @dataclass(frozen=True, slots=True)
 class Point:
-    """Where to go and how; SI. ``where`` is its place in the file. None: the file does not say."""
+    """Where to go and how; SI. ``where``: its place in the file. None: not stated in the file."""
 
     place: Position | Local
     where: At
@@ -101,14 +103,14 @@ class Go:
 
 @dataclass(frozen=True, slots=True)
 class Home:
-    """Back to where the mission begins."""
+    """Go back to where the mission begins."""
 
     where: At
 
 
 @dataclass(frozen=True, slots=True)
 class Circle:
-    """About a point: for so many seconds, or so many ``turns``; ``side`` +1 is clockwise."""
+    """Circle a point for ``seconds`` or for ``turns``; ``side`` +1 is clockwise."""
 
     point: Point
     radius: float
@@ -119,7 +121,7 @@ class Circle:
 
 @dataclass(frozen=True, slots=True)
 class Mow:
-    """Rows from a point, the first along ``bearing`` (rad), the next ones to ``side``."""
+    """Fly rows from a point: the first along ``bearing`` (rad), the next ones to ``side``."""
 
     point: Point
     bearing: float
@@ -131,7 +133,7 @@ class Mow:
 
 @dataclass(frozen=True, slots=True)
 class Undulate:
-    """To a point, between two depths, at a pitch (rad)."""
+    """Go to a point, up and down between two depths, at a pitch (rad)."""
 
     point: Point
     shallow: float
@@ -141,7 +143,7 @@ class Undulate:
 
 @dataclass(frozen=True, slots=True)
 class Rise:
-    """To the surface, and ``seconds`` there."""
+    """Go to the surface, and stay ``seconds`` there."""
 
     where: At
     seconds: float = 0.0
@@ -152,7 +154,8 @@ Step = Go | Home | Circle | Mow | Undulate | Rise
 
 @dataclass(frozen=True, slots=True)
 class Route:
-    """``steps`` reads them; what is wrong with a route that nobody takes is not told."""
+    """One route. ``steps`` reads its steps later: errors in routes that are not chosen do not
+    count."""
 
     name: str
     where: At
@@ -161,7 +164,7 @@ class Route:
 
 @dataclass(frozen=True, slots=True)
 class Fence:
-    """What the vehicle has to stay in, or out of (``out``), at any depth: a polygon."""
+    """A polygon that the vehicle must stay in, or out of (``out``), at any depth."""
 
     out: bool
     corners: tuple[Position, ...]
@@ -170,7 +173,8 @@ class Fence:
 
 @dataclass(frozen=True, slots=True)
 class Source:
-    """``local``: its points are metres from an origin that stands elsewhere."""
+    """The content of a file. ``local``: points are in metres from an origin that the file does not
+    state."""
 
     routes: tuple[Route, ...]
     home: Position | None = None
@@ -179,12 +183,12 @@ class Source:
 
 
 def along(points: Iterable[Point | None]) -> tuple[Step, ...]:
-    """Through them in turn; None stands for one that was complained of."""
+    """Steps through the points in turn; None stands for a point with an error."""
     return tuple(Go(point) for point in points if point is not None)
 
 
 def position(latitude: float, longitude: float, where: At, found: Findings) -> Position | None:
-    """Degrees. None, with a complaint, for what is no place on earth."""
+    """A position in degrees; None, with an error recorded, if it is not on earth."""
     if not (math.isfinite(latitude) and math.isfinite(longitude)):
         found.refuse("position", where, "latitude or longitude is no number")
     elif not -90.0 <= latitude <= 90.0:
@@ -199,14 +203,14 @@ def position(latitude: float, longitude: float, where: At, found: Findings) -> P
 
 
 def below(height: float | None, where: At, found: Findings) -> float | None:
-    """The depth of a height above the water (m); None for one that is not under it."""
+    """The depth (m) of a height above the water; None if it is not below the surface."""
     if height is not None and height > 0.0:
         found.leave_out(where, "a height above the water")
     return -height if height is not None and height < 0.0 else None
 
 
 def number(text: str, what: str, where: At, found: Findings) -> float | None:
-    """None, with a complaint, where ``text`` is no finite number."""
+    """The number in ``text``; None, with an error recorded, if it is no finite number."""
     try:
         value = float(text)
     except ValueError:

@@ -4,7 +4,7 @@
     <start:waypoints>
     -7411.587  3927.437     DDDMM.mmm: 74 deg 11.587' west, 39 deg 27.437' north
 
-The list is flown once, from its first point on.
+The list is flown once, from its first point.
 """
 
 from __future__ import annotations

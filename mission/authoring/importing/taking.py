@@ -1,4 +1,4 @@
-"""A plan of another program, as bytes, to the text of a mission: all steps of it in one."""
+"""Turn a plan of another program, as bytes, into the text of a mission, in one call."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ class Taken:
 
 
 def taken(file: Path, data: bytes, answers: Answers, pick: str | None, boat: Vehicle) -> Taken:
-    """The suffix of ``file`` tells the format; ``pick`` a route's name. Raises ImportErrors with
-    all that is wrong."""
+    """Import one route of a plan. The suffix of ``file`` tells the format; ``pick``: the name of a
+    route. Raises ImportErrors with all errors."""
     found = Findings(str(file))
     source = format_of(file, found).read(bounded(data, found), found)
     route = chosen(source, pick, found)

@@ -1,4 +1,4 @@
-"""JSON as values that know their path (``mission.items[3].params[4]``), read in bounds."""
+"""JSON as values with their path (``mission.items[3].params[4]``), for error messages."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ class Value:
     found: Findings
 
     def get(self, key: str) -> Value:
-        """What a table has under ``key``; a missing one is None."""
+        """The value under ``key``; its ``raw`` is None if there is none."""
         raw = self.raw.get(key) if isinstance(self.raw, dict) else None
         return Value(raw, f"{self.path}.{key}" if self.path else key, self.found)
 
     def items(self) -> Iterator[Value]:
-        """The items of a list; of anything else none, with a complaint."""
+        """The items of a list; none, with an error recorded, for anything else."""
         if not isinstance(self.raw, list):
             self.found.refuse("plan-form", self.path, "not a list")
             return
@@ -34,7 +34,7 @@ class Value:
         return self.raw if isinstance(self.raw, str) else ""
 
     def number(self) -> float | None:
-        """None where it is null or missing; and, with a complaint, where it is no number."""
+        """The number; None if it is null or missing, or, with an error recorded, no number."""
         if self.raw is None:
             return None
         if isinstance(self.raw, bool) or not isinstance(self.raw, int | float):
@@ -48,7 +48,7 @@ class Value:
 
 
 def values(data: bytes, found: Findings) -> Value:
-    """Raises ImportErrors for what is not JSON, or says a key twice."""
+    """Parse JSON. Raises ImportErrors if it is not JSON, or has a key twice in one table."""
     try:
         raw = json.loads(text_of(data, found), object_pairs_hook=_once)
     except json.JSONDecodeError as error:

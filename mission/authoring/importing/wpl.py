@@ -1,9 +1,9 @@
-"""QGC WPL 110 (mavlink.io/en/file_formats): a MAVLink item a line, twelve columns apart by tabs.
+"""QGC WPL 110 (mavlink.io/en/file_formats): a MAVLink item per line, in twelve columns.
 
     index  current  frame  command  p1 p2 p3 p4  latitude longitude height  autocontinue
 
-An absolute waypoint in the first line is the vehicle's home, as ArduPilot's programs write it.
-Items count in the order of the lines, whatever their index says.
+An absolute waypoint as the first item is the vehicle's home, as ArduPilot's programs write it. The
+order of the lines counts, not the index.
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
-"""A route of somebody else's as a mission: a leg for each step, each with a clock.
+"""Write an imported route as a mission: a leg for each step, each with a clock.
 
     goto P  timeout = 1.5 d / (v - c) + 60 s, d from the place before, v at the leg's gear,
-            c the current that the check assumes; no less than a fifth of v is counted on
+            c the vehicle file's current, which the check assumes; v - c is at least v / 5
 
-What the route does not say is in ``Answers``. After the last step the vehicle surfaces.
+``Answers`` has the values that the route does not state. After the last step the vehicle surfaces.
 """
 
 from __future__ import annotations
@@ -35,15 +35,15 @@ from mission.model.units import GEARS
 from mission.model.vehicle import Vehicle
 from mission.navigation.geodesy import EARTH, LocalFrame
 
-_ASCENT = 300.0  # s, of a leg to the surface
-_NEAR = 200e3  # m from home: nobody dives farther off
+_ASCENT = 300.0  # s, timeout of a leg to the surface
+_NEAR = 200e3  # m from home: no mission goes farther
 _LAST = "up"
-_DECIMALS = 7  # of a degree: a centimetre
+_DECIMALS = 7  # of a degree; a centimetre
 
 
 @dataclass(frozen=True, slots=True)
 class Answers:
-    """What is flown where the file does not say; SI. ``home``: instead of the file's."""
+    """The values where the file states none; SI. ``home`` replaces that of the file."""
 
     home: Position | None = None
     home_first: bool = False  # the first point is home
@@ -62,7 +62,7 @@ def mission_of(
     vehicle: Vehicle,
     found: Findings,
 ) -> Mission:
-    """Raises ImportErrors with all that is wrong."""
+    """The mission of a route. Raises ImportErrors with all errors."""
     areas = tuple(_areas(source.fences, answers.swap, found))
     if answers.swap:
         steps = tuple(_swapped(step, found) for step in steps)
@@ -77,7 +77,7 @@ def mission_of(
 
 
 def slug(text: str) -> str:
-    """A name of the mission language, as near to ``text`` as it can be."""
+    """A valid name of the mission language that resembles ``text``."""
     plain = re.sub(r"[^A-Za-z0-9]+", "_", text).strip("_").lower()
     return re.sub(r"^(?=\d)", "n", plain)[: NAME.most].rstrip("_")
 
@@ -107,7 +107,7 @@ def _home(
 
 
 def _check_near(steps: tuple[Step, ...], home: Position, found: Findings) -> None:
-    """Latitude and longitude that are exchanged are places on earth, too: seen from home."""
+    """Refuse points far from home, with a hint if latitude and longitude seem to be exchanged."""
     far = [
         p for p in _points(steps) if isinstance(p.place, Position) and _far(home, p.place) > _NEAR
     ]
@@ -125,7 +125,7 @@ def _turned(place: Position) -> Position:
 
 
 def _far(home: Position, place: Position) -> float:
-    """Metres along the sphere (haversine formula)."""
+    """The distance in m on the sphere (haversine formula)."""
     north = math.radians(place.latitude_deg), math.radians(home.latitude_deg)
     turn = math.radians(place.longitude_deg - home.longitude_deg)
     across = math.cos(north[0]) * math.cos(north[1]) * math.sin(turn / 2.0) ** 2
@@ -156,7 +156,7 @@ def _rounded(place: Position | Local) -> Position:
 
 
 def _areas(fences: tuple[Fence, ...], swap: bool, found: Findings) -> Iterator[Area]:
-    """Those to keep in first, as missions have them."""
+    """The areas of the mission; areas to keep in come first, as in all missions."""
     if len(fences) > AREAS.most:
         found.refuse("too-long", fences[AREAS.most].where, AREAS.exceeded, "join some of them")
     for number, fence in enumerate(sorted(fences, key=lambda fence: fence.out), 1):
@@ -170,7 +170,7 @@ def _areas(fences: tuple[Fence, ...], swap: bool, found: Findings) -> Iterator[A
 
 
 class _Writer:
-    """One route's legs; keeps where the vehicle is, m from home."""
+    """Writes the legs of one route; keeps the position of the vehicle, m from home."""
 
     def __init__(
         self, home: Position | None, answers: Answers, vehicle: Vehicle, found: Findings
@@ -181,7 +181,7 @@ class _Writer:
         self._count = 0
 
     def legs(self, steps: tuple[Step, ...]) -> Iterator[Leg]:
-        """The last one is the way up, whether the route says so or not."""
+        """The legs of the route; the last one always goes to the surface."""
         for step in steps[:-1] if isinstance(steps[-1], Rise) else steps:
             yield from self._leg(step)
         yield Leg(_LAST, Surface(until_fix=True), timeout=_ASCENT)
@@ -222,7 +222,7 @@ class _Writer:
         return leg
 
     def _undulate(self, step: Undulate) -> Iterator[Leg]:
-        """Cycles on the course to the point, as many as the way has room for; then to the point."""
+        """Cycles on the course to the point, as many as fit in the way; then a goto to it."""
         before, point = self._here, step.point
         way = self._way_to(point)
         height, boat = step.deep - step.shallow, self._vehicle
@@ -245,11 +245,11 @@ class _Writer:
         return Leg(name, kind, settings, timeout=timeout, otherwise=_LAST)
 
     def _name(self, said: str) -> str:
-        """In the order of the route, unique."""
+        """A unique name: the number of the leg, and ``said``."""
         self._count += 1
         return f"p{self._count}_{slug(said)}"[: NAME.most].rstrip("_")
 
-    # --- what the file or the answers say --------------------------------------------------
+    # --- values of the file or the answers -------------------------------------------------
 
     def _vertical(self, point: Point) -> tuple[Setting, ...]:
         if point.depth is not None:
@@ -294,7 +294,7 @@ class _Writer:
         return point.place if isinstance(point.place, Local) else _rounded(point.place)
 
     def _way_to(self, point: Point) -> float:
-        """Metres from where the vehicle is; it is there then."""
+        """The way in m from the current position to the point, which becomes the position."""
         place, before = point.place, self._here
         if isinstance(place, Local):
             self._here = (place.north, place.east)
@@ -308,5 +308,5 @@ class _Writer:
 
 
 def _rounded_up(seconds: float) -> float:
-    """To ten seconds."""
+    """Round up to ten seconds."""
     return math.ceil(seconds / 10.0) * 10.0

@@ -1,7 +1,7 @@
-"""XML as elements that know their line, read in bounds.
+"""Read XML, with limits, as elements that have their line.
 
-Entities that a file defines itself are refused (a few lines of them make gigabytes), and nothing
-outside the file is ever read. Names are without their name space.
+Entities that a file defines are refused (a few lines of them expand to gigabytes), and nothing
+outside the file is read. Names are without their namespace.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ class Element:
         return self.line
 
     def all(self, name: str) -> Iterator[Element]:
-        """The children of that name."""
+        """The children with that name."""
         return (child for child in self.children if child.name == name)
 
     def one(self, *path: str) -> Element | None:
@@ -38,12 +38,12 @@ class Element:
         return here
 
     def said(self, *path: str) -> str:
-        """The text at the path; "" where there is none."""
+        """The text at the path; "" if there is none."""
         found = self.one(*path)
         return found.text.strip() if found is not None else ""
 
     def within(self) -> Iterator[Element]:
-        """Itself and all below, in the order of the file."""
+        """The element and all its descendants, in the order of the file."""
         yield self
         for child in self.children:
             yield from child.within()

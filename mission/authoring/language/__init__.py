@@ -4,8 +4,8 @@
                       +--> statements --assembly.py--> Mission +                  @AW script
     YAML --yaml_form--+                                       +--yaml_text.py--> YAML
 
-Everything that is wrong with a text is told at once (``MissionErrors``), each with line, column,
-and what to write instead. What does not live here: whether the mission is safe
+All errors of a text are reported at once (``MissionErrors``), each with line, column, and what to
+write instead. What does not live here: whether the mission is safe
 (mission.authoring.check).
 """
 
@@ -45,12 +45,12 @@ __all__ = [
 
 _NONE: Mapping[str, str] = MappingProxyType({})
 _YAML_KEY = re.compile(r"""(?m)^(?:["']?(?:mission|legs)["']?\s*:(?:\s|$)|---|%YAML|\{)""")
-_HEAD = re.compile(r"(?:\s|#.*\n)*mission\s+[\w-]+\s+vehicle\s")  # legs may be called as keys are
+_HEAD = re.compile(r"(?:\s|#.*\n)*mission\s+[\w-]+\s+vehicle\s")  # a leg may be named like a key
 _HOME = re.compile(r"(?m)^\W*home\b")
 
 
 def is_yaml(text: str, source: str = "") -> bool:
-    """By content; the file's suffix decides only where the content does not."""
+    """Whether the text is YAML, by its content; if that is not clear, by the suffix of the file."""
     if _HEAD.match(text):
         return False
     if _YAML_KEY.search(text):
@@ -62,16 +62,16 @@ def is_yaml(text: str, source: str = "") -> bool:
 
 @dataclass(frozen=True, slots=True)
 class Draft:
-    """What a text says, as far as it could be read: a whole mission where there are no problems."""
+    """The readable part of a text. The mission is complete only if there are no problems."""
 
     mission: Mission
     problems: Diagnostics
-    lines: tuple[int, ...]  # in which its statements begin, rising
-    says_home: bool = False  # whether it could be read or not
-    statements: tuple[Statement, ...] = ()  # as written, those that could be read
+    lines: tuple[int, ...]  # the lines in which statements begin, ascending
+    says_home: bool = False  # the text has a home statement, readable or not; only with problems
+    statements: tuple[Statement, ...] = ()  # the readable ones, as written
 
     def sound(self, where: Where) -> bool:
-        """Whether nothing is wrong in the statement that begins there."""
+        """Whether the statement that begins at ``where`` has no problem."""
         after = bisect_right(self.lines, where.line)
         last = self.lines[after] - 1 if after < len(self.lines) else BYTES.most
         return not self.problems.within(where.line, last)
@@ -84,7 +84,7 @@ def parse(
     vehicle: Vehicle | None = None,
     files: Files = no_files,
 ) -> Mission:
-    """Reads either form. Raises MissionErrors with everything that is wrong."""
+    """Read a mission in either form. Raises MissionErrors with all errors."""
     return _whole(draft(text, source, parameters, vehicle, files))
 
 
@@ -100,15 +100,19 @@ def draft(
     vehicle: Vehicle | None = None,
     files: Files = no_files,
 ) -> Draft:
-    """Reads either form. ``vehicle``: the one it is to fly on, whose readings guards may ask for
-    and whose gears make a speed; None: the shipped one that it names. ``files`` reads those of
-    places that it names. Raises MissionErrors where reading ended early (a text too large)."""
+    """Read either form as far as possible.
+
+    ``vehicle``: the vehicle that is to fly the mission; it defines the readings that guards may
+    use, and the speed of each gear. None: the shipped vehicle that the text names. ``files`` reads
+    the files of places that the text names. Raises MissionErrors if reading ended early (the text
+    is too large).
+    """
     text = text.removeprefix("\ufeff").replace("\r\n", "\n")
     return _drafted(text, source, parameters, vehicle, files, yaml=is_yaml(text, source))
 
 
 def draft_script(lines: Sequence[str], vehicle: Vehicle | None = None) -> Draft:
-    """What ``@AW`` brought, line by line; ``sum`` in line 1 must fit. Raises as ``draft`` does."""
+    """Read the lines that came by ``@AW``; ``sum`` in line 1 must fit. Raises like ``draft``."""
     return _drafted("\n".join(lines), "script", _NONE, vehicle, no_files, yaml=False)
 
 
@@ -153,13 +157,13 @@ def _bounded(statements: Iterable[Statement], found: Diagnostics) -> Iterator[St
 def load(
     path: str | Path, parameters: Mapping[str, str] = _NONE, files: Files = no_files
 ) -> Mission:
-    """Raises MissionErrors, also for a file that cannot be read."""
+    """Read a mission file. Raises MissionErrors, also if the file cannot be read."""
     return parse(read_file(path), str(path), parameters, files=files)
 
 
 def read_file(path: str | Path) -> str:
-    """A mission file's text. Raises MissionErrors where there is none: no such file, not UTF-8,
-    longer than any mission (a device may never end)."""
+    """The text of a mission file. Raises MissionErrors if the file does not exist, is not UTF-8, or
+    is larger than a mission may be (a device file may never end)."""
     why, hint = "", "give a mission file"
     try:
         with Path(path).open("rb") as file:
@@ -176,12 +180,12 @@ def read_file(path: str | Path) -> str:
 
 
 def parse_script(lines: Sequence[str], vehicle: Vehicle | None = None) -> Mission:
-    """What ``@AW`` brought, line by line; ``sum`` in line 1 must fit. Raises MissionErrors."""
+    """As ``draft_script``, but the whole mission. Raises MissionErrors with all errors."""
     return _whole(draft_script(lines, vehicle))
 
 
 def to_yaml(mission: Mission) -> str:
-    """The YAML form, with units; parameters are resolved and comments gone."""
+    """The YAML form, with units; parameters are resolved, comments are dropped."""
     from mission.authoring.language import yaml_text
 
     return yaml_text.to_yaml(mission)

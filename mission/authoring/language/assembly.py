@@ -1,9 +1,9 @@
-"""Statements, in their order -> one Mission: headers, groups, names, targets, loops.
+"""Build one Mission from the statements of a text: headers, groups, names, targets, loops.
 
-Both readers (lines.py, yaml_form.py) hand over the same statements; here they become a Mission:
+Both readers (lines.py, yaml_form.py) deliver the same kinds of statements. Rules:
 
-    parameters first, then the vehicle, then everything else; a name is looked up in the innermost
-    group first, then outwards; a repeated group must contain something that takes time.
+    parameters are read first, then the vehicle, then everything else; a name is looked up in the
+    innermost group first, then outwards; a repeated group must contain something that takes time.
 
 What does not live here: grammar (syntax.py), parameters (parameters.py), clauses (legs.py),
 reachability (mission.authoring.check).
@@ -63,7 +63,7 @@ _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*(?:-[A-Za-z0-9_]+)*\Z")
 
 @dataclass(slots=True)
 class _Scope:
-    """A group being filled; the outermost is the mission itself."""
+    """A group that is still open; the outermost scope is the mission itself."""
 
     opening: Opening | None
     repeat: int = 1
@@ -96,8 +96,7 @@ class _Head:
 
 
 class Assembly:
-    """Takes the statements of one file in their order. ``mission`` is whole only if no problem was
-    found."""
+    """Builds the mission of one file. The result is complete only if no problem was found."""
 
     def __init__(
         self,
@@ -106,7 +105,7 @@ class Assembly:
         vehicle: Vehicle | None = None,
         files: Files = no_files,
     ) -> None:
-        """``vehicle``: as of Values."""
+        """``vehicle``: the vehicle that is to fly the mission, ``flown`` of Values."""
         self._files = files
         self._problems = problems
         self._given, self._flown = parameters, vehicle
@@ -117,7 +116,7 @@ class Assembly:
         self._handlers = 0
 
     def read(self, statements: Sequence[Statement]) -> tuple[Mission, Name | None]:
-        """The mission, and the ``sum`` it claims."""
+        """The mission, and the ``sum`` that its first line states."""
         parameters = read_parameters(statements, self._given, self._problems)
         named = self._vehicle(statements)
         self._values = Values(self._problems, parameters, named, self._flown)
@@ -153,10 +152,10 @@ class Assembly:
             areas=tuple(sorted(head.areas, key=lambda area: (area.out, area.name))),
         )
 
-    # --- first: what everything else needs ---------------------------------------------------
+    # --- first: the vehicle, which the other statements need ---------------------------------
 
     def _vehicle(self, statements: Iterable[Statement]) -> str:
-        """Its name; the file itself is read only where something needs it."""
+        """The name of the mission's vehicle; its file is read later, and only if needed."""
         named = next((s for s in statements if isinstance(s, MissionHead)), None)
         name = named.vehicle if named else None
         wanted = name.text if name else DEFAULT_VEHICLE
@@ -167,7 +166,7 @@ class Assembly:
             self._problems.add("unknown-vehicle", where, f"unknown vehicle {wanted!r}", hint)
         return wanted
 
-    # --- then: one by one ----------------------------------------------------------------------
+    # --- then: each statement in turn ----------------------------------------------------------
 
     def _take(self, statement: Statement, first: bool) -> None:
         match statement:
@@ -361,7 +360,7 @@ class Assembly:
         self._targets.append(_Target(name.text, name.where, tuple(self._scopes)))
 
     def _resolve(self) -> None:
-        """Targets may stand before what they name, so they are looked up at the end."""
+        """Look up all targets. This happens last, since a target may name a later leg."""
         top = (self._scopes[0],)
         for target in self._targets:
             if target.name == SURFACE or any(target.name in s.names for s in target.scopes):

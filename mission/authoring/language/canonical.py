@@ -1,8 +1,8 @@
-"""The canonical text of a Mission, its digest, and the script that travels by ``@AW``.
+"""The canonical text of a Mission, its digest, and the script that ``@AW`` sends.
 
-Rules (design: the mission texts): ASCII, one LF per line, single blanks, no indentation, blocks
-closed by ``end``, no comments, no parameters; a statement longer than 200 bytes goes on in lines
-that begin with ``+``. A leg without a name is called after its line in this text.
+Rules: ASCII, one LF per line, single blanks, no indentation, blocks closed by ``end``, no comments,
+no parameters. A statement longer than 200 bytes continues in lines that begin with ``+``. A leg
+without a name is named after its line in this text.
 
     digest   SHA-256 of the canonical text
     sum      first 8 hex digits of the SHA-256 over the canonical lines 2..n, each with its LF
@@ -29,7 +29,7 @@ def to_lines(mission: Mission) -> str:
 
 
 def check_length(mission: Mission, problems: Diagnostics) -> None:
-    """Raises MissionErrors for one that cannot travel: every line is one ``@AW``."""
+    """Raise MissionErrors if the mission has too many lines to send (each line is one ``@AW``)."""
     if sum(1 for _ in _lines(mission)) > LINES.most:
         message = f"the mission is too long: {LINES.exceeded}"
         raise problems.refusal("too-long", mission.where, message, "make it shorter, or two of it")
@@ -40,26 +40,27 @@ def digest(mission: Mission) -> str:
 
 
 def total(mission: Mission) -> str:
-    """What ``sum`` in line 1 must say."""
+    """The ``sum`` that line 1 of the script must have."""
     rest = "".join(f"{line}\n" for line in list(_lines(mission))[1:])
     return hashlib.sha256(rest.encode("ascii")).hexdigest()[:8]
 
 
 def script(mission: Mission) -> list[str]:
-    """The payloads for ``@AW``, line 1 with its ``sum``."""
+    """The payloads for ``@AW``; line 1 includes ``sum``."""
     first, *rest = _lines(mission)
     return [f"{first} sum {total(mission)}", *rest]
 
 
 def numbered(mission: Mission) -> Mission:
-    """Legs without a name get the one of their line: ``line12``."""
+    """The mission with a name for each unnamed leg: that of its canonical line, as ``line12``."""
     line = sum(1 for _ in _header(mission))
     body, _ = _numbered(mission.body, line)
     return replace(mission, body=body)
 
 
 def _numbered(body: tuple[Node, ...], line: int) -> tuple[tuple[Node, ...], int]:
-    """``line`` is the last line before the body, and after it."""
+    """Name the legs of ``body``. ``line`` is the last line before the body; the returned number is
+    the last line of the body."""
     nodes: list[Node] = []
     for node in body:
         if isinstance(node, Group):
@@ -143,7 +144,7 @@ def _statement(node: Node) -> str:
 
 
 def _broken(statement: str) -> list[str]:
-    """At the last blank that fits; a line that goes on begins with ``+``."""
+    """Break a statement at the last blank that fits; continuation lines begin with ``+``."""
     lines: list[str] = []
     rest = statement
     while len(rest) > LONGEST_LINE:

@@ -1,7 +1,7 @@
-"""What both readers hand to the assembly: a leg's clauses and the other statements, with places.
+"""The statements and clauses that both readers deliver to the assembly, with their text positions.
 
-Values are as written (``Amount``); parameters, units and ranges are resolved where the wanted
-unit is known (``mission.authoring.language.values``).
+Values are as written (``Amount``). ``mission.authoring.language.values`` resolves parameters, units
+and ranges, since it knows the unit that each place needs.
 """
 
 from __future__ import annotations
@@ -68,7 +68,7 @@ class ComparisonText:
 
 @dataclass(frozen=True, slots=True)
 class TrendText:
-    """``moves``: falls or rises; ``window`` None: since the leg began."""
+    """A trend. ``moves``: falls or rises; ``window`` None: since the leg began."""
 
     variable: Name
     moves: str
@@ -78,7 +78,7 @@ class TrendText:
 
 @dataclass(frozen=True, slots=True)
 class BackText:
-    """``extreme``: highest or lowest, of ``peak``."""
+    """A return to a peak. ``extreme``: highest or lowest value of the variable ``peak``."""
 
     variable: Name
     extreme: str
@@ -120,8 +120,8 @@ class Wire:
 
 @dataclass(frozen=True, slots=True)
 class Value:
-    """A word with one amount, or none: a setting, a measure, a count, for, timeout, wait,
-    hold, surface, stop."""
+    """A word with one amount or none: a setting, a measure, a count, for, timeout, wait, hold,
+    surface, stop."""
 
     word: Name
     amount: Amount | None = None
@@ -129,7 +129,7 @@ class Value:
 
 @dataclass(frozen=True, slots=True)
 class Guarded:
-    """A setting, and what it never goes below: depth 8 never below altitude 3."""
+    """A depth with a least altitude, or the reverse: depth 8 never below altitude 3."""
 
     held: Value
     least: Value
@@ -137,7 +137,7 @@ class Guarded:
 
 @dataclass(frozen=True, slots=True)
 class Places:
-    """The places behind a word: one for goto, none or one for loiter, any number for follow."""
+    """A word with places: one for goto, none or one for loiter, any number for follow."""
 
     word: Name
     places: tuple[PlaceText, ...]
@@ -145,7 +145,7 @@ class Places:
 
 @dataclass(frozen=True, slots=True)
 class OfArea:
-    """The corners of an area of the mission, in the place of places."""
+    """A word with the name of an area of the mission, whose corners are its places."""
 
     word: Name
     area: Name
@@ -153,7 +153,7 @@ class OfArea:
 
 @dataclass(frozen=True, slots=True)
 class OfFile:
-    """The places of a file, in the place of places; its path is relative to the mission's."""
+    """A word with a file of places; the path is relative to the mission's folder."""
 
     word: Name
     path: Name
@@ -161,7 +161,7 @@ class OfFile:
 
 @dataclass(frozen=True, slots=True)
 class Chosen:
-    """A word with one of its own words behind it: side port."""
+    """A word with one of its allowed values: side port."""
 
     word: Name
     choice: Name
@@ -223,7 +223,7 @@ class HomeAt:
 
 @dataclass(frozen=True, slots=True)
 class AreaText:
-    """keep in, keep out: ``between`` are two depths, None: all."""
+    """keep in or keep out; ``between``: two depths, None for all depths."""
 
     name: Name
     out: bool
@@ -246,7 +246,7 @@ class WithoutFix:
 
 @dataclass(frozen=True, slots=True)
 class Opening:
-    """A group opens; ``repeat`` None: once."""
+    """The begin of a group; ``repeat`` None: once."""
 
     name: Name
     repeat: Amount | None
@@ -260,7 +260,7 @@ class End:
 
 @dataclass(frozen=True, slots=True)
 class On:
-    """``when``: a guard, or the words uncertain and timeout."""
+    """A handler; ``when``: a guard, or the word uncertain or timeout."""
 
     when: GuardText | str
     target: Name

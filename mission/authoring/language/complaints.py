@@ -1,6 +1,6 @@
-"""A line that does not fit the grammar, in words: which part, what was expected, what to write.
+"""Explain why a line does not fit the grammar: which part, what was expected, what to write.
 
-What does not live here: what is wrong with a line that fits (legs.py, assembly.py, values.py).
+What does not live here: errors in a line that fits the grammar (legs.py, assembly.py, values.py).
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ class Complaint:
     hint: str
 
 
-# What a terminal of the grammar is called when it is missing, in the order of helpfulness.
+# How messages name a missing terminal of the grammar; the most helpful names first.
 _EXPECTED = {
     "NUMBER": "a number",
     "WORD": "a name",
@@ -88,7 +88,7 @@ _NUMBER_WORD = re.compile(r"-?(?:\d+\.?\d*|\.\d+)\Z")
 
 @dataclass(frozen=True, slots=True)
 class _Misfit:
-    """The word of ``text`` that does not fit, the one before it, and the terminals that would."""
+    """The word of ``text`` that does not fit, the word before it, and the terminals that fit."""
 
     text: str
     offset: int
@@ -109,7 +109,7 @@ class _Misfit:
 
     @property
     def first(self) -> bool:
-        """It begins the line, or stands right behind the name."""
+        """Whether the word begins the line, or directly follows the name."""
         return not self.text[: self.offset].split(":", 1)[-1].strip()
 
     def keywords(self) -> list[str]:
@@ -123,7 +123,7 @@ class _Misfit:
 
 
 def explain(text: str, error: UnexpectedInput) -> Complaint:
-    """The first thing of ``text`` that does not fit, with the rule it breaks."""
+    """Explain the first part of ``text`` that does not fit, by the first rule that applies."""
     offset, expected = _offset(text, error), _expected(error)
     if offset >= len(text.rstrip()):
         return _unfinished(text, expected)
@@ -154,7 +154,7 @@ def _expected(error: UnexpectedInput) -> frozenset[str]:
 
 
 def _part(text: str, offset: int) -> tuple[int, str]:
-    """The whole word that covers ``offset``, and where it begins; a unit behind its number."""
+    """Where the word that covers ``offset`` begins, and the word; or the unit behind a number."""
     for match in _PART.finditer(text):
         if match.start() <= offset < match.end():
             number = _NUMBER.match(match[0])
@@ -194,7 +194,7 @@ def _unfinished(text: str, expected: frozenset[str]) -> Complaint:
 
 
 def _by_shape(misfit: _Misfit) -> Complaint | None:
-    """Mistakes that are wrong wherever they stand."""
+    """Mistakes that are wrong at any place in a line."""
     part, at = misfit.part, misfit.text[misfit.offset :]
     if not part.isascii() or not part.isprintable():
         hint = "comments may hold anything"
@@ -227,7 +227,7 @@ def _by_shape(misfit: _Misfit) -> Complaint | None:
 
 
 def _by_number(misfit: _Misfit) -> Complaint | None:
-    """A word right behind a number is a wrong unit, unless it is nearly a word that fits."""
+    """A word directly behind a number is a wrong unit, unless it resembles a word that fits."""
     part, expected = misfit.part, misfit.expected
     behind = misfit.glued or _NUMBER_WORD.fullmatch(misfit.before)
     labelled = re.match(r"\s*:", misfit.text[misfit.offset + len(part) :])
@@ -235,7 +235,7 @@ def _by_number(misfit: _Misfit) -> Complaint | None:
         return None
     if part in elsewhere.LEG and not misfit.glued:
         return _brought(misfit)
-    # where a unit may stand, a long word is one unless it is nearly a word that fits
+    # where a unit may stand, a long word counts as a unit unless it closely resembles a word
     likeness = 0.75 if "UNIT" in expected and len(part) > 5 else 0.6
     close_word, close_unit = nearest(part, misfit.keywords(), likeness), nearest(part, UNITS)
     if close_word and not misfit.glued and (len(part) > 3 or not close_unit):
@@ -268,7 +268,7 @@ def _by_place(misfit: _Misfit) -> Complaint | None:
 
 
 def _by_word(misfit: _Misfit) -> Complaint | None:
-    """What a misspelt word may have meant."""
+    """Suggest a word for one that is misspelt or unknown."""
     part, expected, wanted = misfit.part, misfit.expected, _wanted(misfit.expected)
     if part == ":" and misfit.text.startswith("repeat"):
         hint = f"write repeat 2 {misfit.before}:"
@@ -338,7 +338,7 @@ def _of_leg(word: str) -> bool:
 
 
 def _rounds(misfit: _Misfit, words: list[str]) -> Complaint:
-    """``repeat 3:`` and ``loop 3 r:``."""
+    """Explain a wrong group head, as ``repeat 3:`` or ``loop 3 r:``."""
     count = next((word for word in words[1:] if word.isdigit()), "3")
     name = next((word for word in words[1:] if not word.isdigit()), "name")
     said, length = " ".join(words), misfit.text.index(":") + 1

@@ -1,11 +1,11 @@
-"""Words that authors bring along from other systems, and what they are here: a word is a row.
+"""Words of other systems, and what to write here instead: each word is a row.
 
     LEG       in a leg or at the start of a line      lawnmower -> rows 4 bearing 90 ...
     SAFETY    behind safety                           battery -> voltage 11
     TOP       keys of a YAML mission                  steps -> legs
     HANDLER   keys of a handler in YAML               then -> do
 
-The words of a line; ``as_key`` says the same as a YAML key.
+The right-hand texts are for lines; ``as_key`` turns one into YAML keys.
 """
 
 from __future__ import annotations
@@ -163,7 +163,7 @@ UNIT: Mapping[str, str] = MappingProxyType(
 
 
 def no_name(word: str) -> str:
-    """Of a control word: what is said of it where a name should stand."""
+    """The message for a control word in the place of a leg's name."""
     return f"{word!r} is no leg's name"
 
 

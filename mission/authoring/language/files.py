@@ -1,4 +1,4 @@
-"""Files of places that a mission names: read where its author works, and nowhere else.
+"""Files of places that a mission names. They are read on the author's computer only.
 
 What does not live here: the formats (mission.authoring.importing.places).
 """
@@ -9,11 +9,11 @@ from collections.abc import Callable, Sequence
 
 from mission.model import Place
 
-Files = Callable[[str], Sequence[Place]]  # by the path as it is written; raises PlacesError
+Files = Callable[[str], Sequence[Place]]  # takes the path as written; raises PlacesError
 
 
 class PlacesError(Exception):
-    """What is wrong, with file and line, and what instead."""
+    """A file of places cannot be used: the message has file and line, the hint what to do."""
 
     def __init__(self, message: str, hint: str = "") -> None:
         super().__init__(message)
@@ -21,6 +21,6 @@ class PlacesError(Exception):
 
 
 def no_files(path: str) -> Sequence[Place]:
-    """Of a text that came from elsewhere, as by ``@AW``: nobody knows where its files are."""
+    """Refuse any file. For a text without a folder, such as one sent by ``@AW``."""
     message = f"{path}: files of places are read where the mission is a file"
     raise PlacesError(message, "write its places: auvmission convert MISSION --to lines does")

@@ -1,10 +1,10 @@
-"""The tidy layout of a mission file: indentation, blanks, comments in line; no word is changed.
+"""The tidy layout of a mission file: indentation, blanks, aligned comments; no word is changed.
 
     lines   two blanks for each open group; `+` lines two more
     YAML    two blanks for each level, one space in the places where YAML wants none or one
     both    comments stay, those behind neighbouring lines in one column; one blank line at most
 
-Laying out twice is laying out once. What does not live here: another text of the same mission
+A second pass changes nothing. What does not live here: another text of the same mission
 (canonical.py, yaml_text.py).
 """
 
@@ -15,11 +15,11 @@ from collections.abc import Iterable, Iterator
 from mission.authoring.language import is_yaml
 from mission.authoring.language.layout_row import Row
 
-_WIDEST = 120  # of a line that comments beside it are moved for
+_WIDEST = 120  # columns: a longer line does not move the comments of its neighbours farther
 
 
 def formatted(text: str, source: str = "") -> str:
-    """``text`` must be a mission without errors."""
+    """Return ``text`` in the tidy layout. ``text`` must be a mission without errors."""
     text = text.removeprefix("\ufeff").replace("\r\n", "\n")
     if is_yaml(text, source):
         from mission.authoring.language.layout_yaml import rows
@@ -29,7 +29,7 @@ def formatted(text: str, source: str = "") -> str:
 
 
 def _aligned(rows: Iterable[Row]) -> list[str]:
-    """Comments behind neighbouring lines begin in one column."""
+    """Join rows to lines; comments behind neighbouring lines begin in one column."""
     lines: list[str] = []
     block: list[Row] = []
     for row in [*rows, Row("")]:
@@ -44,7 +44,7 @@ def _aligned(rows: Iterable[Row]) -> list[str]:
 
 
 def _squeezed(lines: Iterable[str]) -> Iterator[str]:
-    """No blank lines at the ends, one at most between."""
+    """Drop blank lines at both ends; keep at most one between other lines."""
     waiting = started = False
     for line in lines:
         if not line:

@@ -1,4 +1,4 @@
-"""The tidy layout of a line script: rows set in by the groups around them, single blanks.
+"""The tidy layout of a line script: indentation by open groups, single blanks.
 
 What does not live here: comments in one column, blank lines (layout.py).
 """

@@ -9,7 +9,7 @@ STEP = 2
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """One line: what it says and the comment behind it, ``#`` included. Either may be empty."""
+    """One line: its code and the comment behind it, with ``#``. Either may be empty."""
 
     code: str
     comment: str = ""

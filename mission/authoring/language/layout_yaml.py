@@ -40,7 +40,8 @@ class _Edit:
 
 @dataclass(slots=True)
 class _Block:
-    """``dashes``: within a list that stands in its key's own column, which gets one of its own."""
+    """A block of the source. ``dashes``: its key has a list in the key's own column; the layout
+    indents such a list one level more."""
 
     column: int
     mapping: bool
@@ -54,9 +55,9 @@ class _Block:
 class _Layout:
     def __init__(self, text: str) -> None:
         self.lines = text.split("\n")
-        self.indents: dict[int, int] = {}  # line -> where its first token belongs
+        self.indents: dict[int, int] = {}  # line -> column where its first token belongs
         self.edits: dict[int, list[_Edit]] = {}
-        self.ends: dict[int, int] = {}  # line -> where its last token ends
+        self.ends: dict[int, int] = {}  # line -> column where its last token ends
         self.inside: set[int] = set()  # lines that begin within a scalar
         self._blocks: list[_Block] = []
         loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
@@ -89,7 +90,7 @@ class _Layout:
             self.indents[mark.line] = block.column + (STEP if block.dashes else 0)
 
     def _gap(self, before: Token, token: Token) -> None:
-        """What stands between two tokens of one line."""
+        """Set the gap between two tokens of one line: nothing, or one blank."""
         end, start = before.end_mark, token.start_mark
         if end.line != start.line or "#" in self.lines[end.line][end.column : start.column]:
             return
@@ -105,7 +106,7 @@ class _Layout:
         self.ends[end.line] = end.column
 
     def code(self, number: int) -> tuple[str, str]:
-        """A line without its indentation, tidied; and the comment behind it."""
+        """The tidied code of a line, without its indentation, and the comment behind it."""
         line = self.lines[number]
         end = self.ends.get(number, 0)
         pieces, at = [], 0
@@ -118,7 +119,7 @@ class _Layout:
 def rows(text: str) -> Iterator[Row]:
     layout = _Layout(text)
     shift = 0
-    waiting: list[str] = []  # comments of their own belong to the line after them
+    waiting: list[str] = []  # comment lines: they are indented as the next line of code
     for number, line in enumerate(layout.lines):
         old = len(line) - len(line.lstrip())
         if number in layout.inside:

@@ -1,4 +1,4 @@
-"""A leg's clauses -> a Leg or a Set: kinds, settings, axes, what belongs to which kind.
+"""Build a Leg or a Set from the clauses of a leg: kinds, settings, axes, clauses of each kind.
 
 What does not live here: names and groups (assembly.py), what this vehicle can follow
 (mission.authoring.compiler.abilities), bounds in time (mission.authoring.check).
@@ -70,15 +70,15 @@ _COUNT_MOST = 9999
 
 @dataclass(slots=True)
 class _Parts:
-    """A leg being read."""
+    """The parts of the leg that is being read."""
 
     kind: Name | None = None
     count: int = 0
     places: list[Place | None] = field(default_factory=list)
     settings: list[Setting] = field(default_factory=list)
     outputs: dict[str, OutputSetting] = field(default_factory=dict)
-    guarded: bool = False  # one of the settings is a depth that is never below an altitude
-    given: dict[str, Any] = field(default_factory=dict)  # the kind's own clauses, by word
+    guarded: bool = False  # the leg has a depth that is never below an altitude
+    given: dict[str, Any] = field(default_factory=dict)  # the clauses of its kind, by word
     exits: list[Exit] = field(default_factory=list)
     until_fix: Name | None = None
     times: dict[str, float] = field(default_factory=dict)
@@ -88,16 +88,17 @@ class _Parts:
 
 
 class Legs:
-    """Builds legs for one file; ``values`` knows the vehicle, the parameters and the problems."""
+    """Builds legs for one file; ``values`` has the vehicle, the parameters and the problems."""
 
     def __init__(self, values: Values, areas: Mapping[str, AreaText], files: Files) -> None:
-        """``areas``: those of the mission, by name."""
+        """``areas``: the mission's areas, by name."""
         self._values, self._areas, self._files = values, areas, files
         self._problems = values.problems
         self._settings = Settings(values)
 
     def build(self, text: LegText) -> Leg | Set:
-        """The name is empty where the author gave none."""
+        """Build one leg. Its name is empty if the author gave none; a leg with settings only
+        becomes a Set."""
         parts = _Parts()
         for clause in text.clauses:
             self._take(parts, clause)
@@ -344,7 +345,7 @@ class Legs:
             self._problems.add(misfit.code, place, misfit.message, misfit.hint)
 
     def _check_aims(self, parts: _Parts, row: LegType) -> None:
-        """Of a leg without rows: the position, where it is one to steer."""
+        """A leg without rows may achieve only ``position``, and only if it does not ascend."""
         idle = [name for name, _ in parts.achieve if name != OF_ANY or row.ascends]
         if idle and not row.surveys:
             users = ", ".join(k.name for k in kinds().values() if k.surveys)
@@ -374,7 +375,7 @@ class Legs:
 
 
 def _kind(parts: _Parts, row: LegType) -> LegKind:
-    """The kind with its parameters; what could not be read is stood in for."""
+    """The kind of the leg with its parameters; defaults replace the unreadable ones."""
     figures = {c.field: parts.given.get(c.word, c.unsaid) for c in row.clauses}
     if row.until_fix:
         figures[row.until_fix] = parts.until_fix is not None

@@ -1,4 +1,4 @@
-"""The line script -> statements: comments off, continued lines joined, each line by the grammar.
+"""Read a line script into statements: drop comments, join continued lines, parse each line.
 
 # a comment        to the end of the line
 + timeout 30s      continues the line before
@@ -20,7 +20,8 @@ _NAMED = re.compile(r"([A-Za-z_][\w-]*)\s*:")
 
 
 def statements(text: str, problems: Diagnostics) -> Iterator[Statement]:
-    """Every statement that could be read; the others are among the problems."""
+    """Yield every readable statement; add the others to ``problems``. Raises MissionErrors if the
+    text is too long."""
     syntax = Syntax(problems)
     code = 0
     for strip in _strips(text, problems):
@@ -35,7 +36,7 @@ def statements(text: str, problems: Diagnostics) -> Iterator[Statement]:
 
 
 def _salvaged(strip: Strip) -> list[Statement]:
-    """The name in a line that cannot be read, so that one mistake does not cause others."""
+    """A stand-in for an unreadable line, with its name, so that one error does not cause others."""
     parameter = _PARAMETER.match(strip.text)
     if parameter is not None:
         where = strip.where(parameter.start(1), len(parameter[1]))
@@ -54,7 +55,7 @@ def _salvaged(strip: Strip) -> list[Statement]:
 
 
 class _Growing:
-    """A statement whose lines are still being read."""
+    """A statement that may continue in the next line."""
 
     def __init__(self, text: str, line: int, column: int) -> None:
         self._texts, self._parts = [text], [(0, line, column)]
@@ -92,7 +93,7 @@ def _strips(text: str, problems: Diagnostics) -> Iterator[Strip]:
 
 
 def _code(text: str) -> Iterator[tuple[int, int, str]]:
-    """Line, column and text of what is neither comment nor blank."""
+    """Line number, column and code of each line that has code."""
     for number, raw in enumerate(text.split("\n"), 1):
         code = raw.split("#", 1)[0].rstrip()
         content = code.lstrip()

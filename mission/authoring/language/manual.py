@@ -1,8 +1,9 @@
-"""The generated parts of docs/mission-language.md: grammar and tables, as the code has them.
+"""The generated parts of docs/mission-language.md: grammar and tables, made from the code.
 
-    python -m mission.authoring.language.manual docs/mission-language.md     writes them anew
+    python -m mission.authoring.language.manual docs/mission-language.md     updates them
 
-A part stands between ``<!-- begin NAME -->`` and ``<!-- end NAME -->``; a test compares.
+A part stands between ``<!-- begin NAME -->`` and ``<!-- end NAME -->``. A test compares them with
+the code.
 """
 
 from __future__ import annotations
@@ -36,7 +37,8 @@ from mission.model.units import UNITS, number_text
 
 
 def refreshed(text: str) -> str:
-    """``text`` with every generated part as it should be."""
+    """Return ``text`` with every generated part up to date. Raises ValueError if a part is missing
+    or stands twice."""
     for name, part in PARTS.items():
         pattern = rf"(<!-- begin {name} -->\n).*?(<!-- end {name} -->)"
         text, found = re.subn(pattern, lambda m, p=part: m[1] + p() + m[2], text, flags=re.DOTALL)  # type: ignore[misc]

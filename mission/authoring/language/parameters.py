@@ -1,7 +1,7 @@
-"""Parameters: numbers with a name, read before everything else, set by the author or the caller.
+"""Parameters: numbers with a name, set by the author or the caller; they are read first.
 
     param row_length 200 m          in the mission
-    --param row_length=150          on the command line: instead; the unit may be left out
+    --param row_length=150          on the command line, overrides it; the unit may be left out
 
 What does not live here: where a parameter is used (values.py).
 """
@@ -29,7 +29,7 @@ def _reserved() -> frozenset[str]:
 def read_parameters(
     statements: Iterable[Statement], given: Mapping[str, str], problems: Diagnostics
 ) -> dict[str, Amount]:
-    """``given``: what the caller sets, name -> text."""
+    """All parameters by name. ``given``: name -> text of those that the caller overrides."""
     found: dict[str, Amount] = {}
     for statement in statements:
         if isinstance(statement, Parameter):

@@ -1,7 +1,7 @@
-"""A Mission's parts as words of the texts: pairs of word and value, for lines and for YAML.
+"""Render the parts of a Mission as pairs of word and value, for lines and for YAML.
 
-Numbers are the shortest that read back as the same bits, in the words' own units; headings are
-as a compass says them. With ``units`` the unit is written behind (YAML), else the number is bare.
+Numbers are the shortest that read back as the same bits, in the unit of their word; headings are
+0 to 360 degrees. With ``units`` (YAML) the unit follows the number, else the number is bare.
 
 What does not live here: how the pairs are laid out (canonical.py, yaml_text.py).
 """
@@ -54,7 +54,7 @@ Pair = tuple[str, str]
 
 
 def quantity_text(value: float, unit: str, units: bool) -> str:
-    """``value`` is SI; ``unit`` that of a bare number."""
+    """``value`` (SI) as text; ``unit`` is the unit of a bare number."""
     if unit == "deg":
         return degrees_text(value) + (" deg" if units else "")
     if units and unit == "s" and value >= 60 and value % 60 == 0:
@@ -169,7 +169,7 @@ def node_pairs(node: Leg | Set, units: bool) -> Iterator[Pair]:
 
 
 def _setting_pairs(settings: tuple[Setting, ...], units: bool) -> Iterator[Pair]:
-    """A depth and an altitude are one setting; they stand first."""
+    """The settings as pairs. A depth with an altitude is one pair; the two stand first."""
     pairs = [setting_pair(setting, units) for setting in settings]
     if {setting.word for setting in settings[:2]} == GUARDED:
         (word, value), least, *pairs = pairs
@@ -191,7 +191,7 @@ def _kind_pairs(leg: Leg, units: bool) -> Iterator[Pair]:
 
 
 def _says_hold(leg: Leg) -> bool:
-    """The word is left out where the leg is one without it."""
+    """Whether the word ``hold`` is needed; it is left out if the text reads the same without it."""
     bounds = leg.exits or leg.otherwise or leg.duration is not None
     bare = GENERATED.match(leg.name) and not bounds and leg.timeout is None
     return bool(bare) or not leg.settings
@@ -212,7 +212,7 @@ def _head(leg: Leg, row: LegType, units: bool) -> str:
 
 
 def _clause(clause: LegClause, value: Any, units: bool) -> str:
-    """Empty where nothing is to be said."""
+    """The value of a clause as text; empty if the clause is left out."""
     match clause:
         case Measure(silent=True) if value == clause.unsaid:
             return ""
@@ -236,7 +236,7 @@ def safety_pairs(safety: Safety, units: bool) -> Iterator[Pair]:
 
 
 def area_text(area: Area) -> str:
-    """As a line says it."""
+    """The area as a statement of the line script."""
     keep, corners = "out" if area.out else "in", ", ".join(map(place_text, area.corners))
     between = "" if not area.limited else " between " + " and ".join(depths_of(area, False))
     return f"keep {keep} {area.name}: {corners}{between}"
@@ -253,14 +253,14 @@ def aim_pairs(aims: Aims, units: bool) -> Iterator[Pair]:
 
 
 def handlers_of(mission: Mission) -> Iterator[Pair]:
-    """The two general handlers, where they are not the default."""
+    """The targets of ``on uncertain`` and ``on timeout``, where they are not the default."""
     for word, target in (("uncertain", mission.on_uncertain), ("timeout", mission.on_timeout)):
         if target != "surface":
             yield word, target
 
 
 def label(node: Node) -> str:
-    """ "" for a leg without a name of its own."""
+    """The name of a leg or group; empty for a leg that its author did not name."""
     if isinstance(node, Group) or not (node.name == "" or GENERATED.match(node.name)):
         return node.name
     return ""

@@ -1,7 +1,7 @@
-"""The JSON Schema (draft 7) of the YAML form, made from the word tables: completion and hover.
+"""The JSON Schema (draft 7) of the YAML form, made from the word tables, for completion and hover.
 
-It tells an editor what may stand where. What it cannot say (axes set twice, targets that do not
-exist, ranges behind parameters) the language says.
+It tells an editor what may stand where. The reader of the language reports what a schema cannot
+express: axes that are set twice, targets that do not exist, ranges of parameters.
 """
 
 from __future__ import annotations
@@ -83,7 +83,7 @@ def _text(description: str) -> Schema:
 
 
 def _quantity(unit: str, description: str) -> Schema:
-    """A number, a number with a fitting unit, or a parameter."""
+    """A number, a number with a unit of the right kind, or a parameter."""
     si = UNITS[unit].si if unit else ""
     fits = [row.name for row in UNITS.values() if row.si == si] if unit else ["%"]
     units = "|".join(name.replace("/", r"\/") for name in fits)
@@ -159,7 +159,7 @@ def _safety() -> Schema:
 
 
 def _coordinates() -> Schema:
-    # 1e-05 is a text to YAML 1.1, and a number to the language
+    # YAML 1.1 reads 1e-05 as a string; the mission language reads it as a number
     degrees = {
         "type": ["number", "string"],
         "pattern": rf"^{_NUMBER}$",

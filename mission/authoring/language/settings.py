@@ -1,4 +1,4 @@
-"""A setting's word with its amount, or a word of the wire -> Settings of the model.
+"""Turn a setting with its amount, or a ZA command, into Settings of the model.
 
 What does not live here: which settings go together, and with which leg (legs.py).
 """
@@ -17,7 +17,7 @@ from mission.model.vehicle import VehicleError
 
 
 class Settings:
-    """Of one file; what is wrong goes to the problems, and nothing stands in for it."""
+    """Reads the settings of one file; errors go to the problems."""
 
     def __init__(self, values: Values) -> None:
         self._values, self._problems = values, values.problems

@@ -1,7 +1,7 @@
-"""The grammar at work: one statement (or guard, place, until) of text to clauses, by lark.
+"""Parse one statement (or leg, guard, place, until) into clauses, with lark.
 
-Lark's LALR tables are made once, on first use. A text that does not fit costs one Diagnostic, which
-``complaints`` words. Positions go through a ``Strip``: where each part of the text came from.
+Lark's LALR tables are made once, on first use. A text that does not fit the grammar gives one
+Diagnostic, worded by ``complaints``. A ``Strip`` maps offsets in the text to lines and columns.
 
 What does not live here: what the clauses mean (legs.py), how statements make a mission
 (assembly.py).
@@ -93,10 +93,11 @@ _SHAPED = {
 
 @dataclass(frozen=True, slots=True)
 class Strip:
-    """A text and where it came from: from ``offset`` on it stands at ``line``, ``column``."""
+    """A text and its place in the file: each part begins at an offset, and stands at line and
+    column."""
 
     text: str
-    parts: tuple[tuple[int, int, int], ...]  # offset, line, column; rising
+    parts: tuple[tuple[int, int, int], ...]  # offset, line, column; ascending
 
     def where(self, offset: int, length: int) -> Where:
         part = bisect_right(self.parts, offset, key=operator.itemgetter(0)) - 1
@@ -109,12 +110,12 @@ class Strip:
 
 
 def grammar() -> str:
-    """grammar.lark with the terminals of the tables: what the parser is made of."""
+    """The grammar of the parser: grammar.lark with the terminals from the word tables."""
     text = (Path(__file__).parent / "grammar.lark").read_text(encoding="utf-8")
     terminals = {
         "SETTING": SETTINGS,
         **{_SHAPED[shape]: _of_shape(shape) for shape in Shape},
-        "MEASURE": [word for word in measures() if word != WITHIN],  # a guard has it, too
+        "MEASURE": [word for word in measures() if word != WITHIN],  # guards use it, too
         "SPOT": spots(),
         "CHOICE": choices(),
         "CHOSEN": dict.fromkeys(value for row in choices().values() for value in row.values),
@@ -148,7 +149,7 @@ def _parser() -> Lark:
 
 
 class Syntax:
-    """Reads pieces of one file; what does not fit goes to ``problems``."""
+    """Parses pieces of one file; text that does not fit goes to ``problems``."""
 
     def __init__(self, problems: Diagnostics) -> None:
         self._problems = problems
@@ -191,7 +192,7 @@ class Syntax:
 
 
 def _too_deep(text: str) -> int | None:
-    """Where a guard is nested deeper than readers of it may recurse; None if it is not."""
+    """The offset where a guard exceeds the allowed nesting (readers recurse); None if nowhere."""
     depth, outer = 0, []
     for match in _NESTING.finditer(text):
         if match[0] == "not":
@@ -211,7 +212,7 @@ def _too_deep(text: str) -> int | None:
 class _Clauses:
     """Parse tree to clauses; each method is one rule of the grammar.
 
-    Lark's own Transformer does the same and takes half as long again for a whole mission.
+    Lark's own Transformer does the same, but takes 1.5 times as long for a whole mission.
     """
 
     def __init__(self, strip: Strip) -> None:

@@ -1,6 +1,6 @@
-"""Amounts, places and guards as written -> values in SI, with parameters, units and ranges.
+"""Turn amounts, places and guards as written into SI values: parameters, units, ranges.
 
-Whatever is wrong goes to the problems; a value stands in for it so that reading goes on.
+Errors go to the problems; a default value replaces the wrong one, so that reading continues.
 """
 
 from __future__ import annotations
@@ -54,14 +54,17 @@ from mission.model.vehicle import Vehicle, VehicleError
 
 NamedPair = tuple[str, float]
 
-_SHORTEST = 0.1  # s that a leg lasts; no clock of the vehicle is finer
-_FAR = 20_000.0  # m: no mission of this vehicle goes farther from home
+_SHORTEST = 0.1  # s, the shortest time of a leg; no clock of the vehicle is finer
+_FAR = 20_000.0  # m from home; no mission goes farther
 
 
 class Values:
-    """Reads values for one file; ``named`` is the vehicle that it is for. ``flown``: the one it is
-    to fly on, whose readings guards may ask for and whose gears make a speed; None: the shipped
-    one of that name."""
+    """Reads values for one file.
+
+    ``named``: the name of the mission's vehicle. ``flown``: the vehicle that is to fly it, which
+    defines the readings that guards may use and the speed of each gear; None: the shipped vehicle
+    ``named``.
+    """
 
     def __init__(
         self,
@@ -85,20 +88,21 @@ class Values:
 
     @property
     def _readings(self) -> Collection[str]:
-        """What the vehicle file names beside the variables."""
+        """The readings that the vehicle file names, beside the variables."""
         vehicle = self.vehicle
         return () if isinstance(vehicle, VehicleError) else vehicle.readings
 
     def number(
         self, amount: Amount, unit: str, low: float, high: float, above: bool = False
     ) -> float:
-        """The amount in SI. ``low``..``high`` are in ``unit``; ``above``: low itself is out."""
+        """The amount in SI, NaN if it is wrong. ``low``..``high`` are in ``unit``; ``above``: the
+        value must be above ``low``."""
         value, written = self._si(amount, unit)
         if math.isnan(value):
             return value
         factor = UNITS[unit].factor if unit else 1.0
         bare = value / factor
-        slack = 1e-9 * abs(bare)  # of another unit
+        slack = 1e-9 * abs(bare)  # for the rounding when another unit is converted
         if bare < low - slack or bare > high + slack or (above and bare <= low):
             message = f"{written} is out of range"
             hint = range_text(low, high, unit, above)
@@ -107,7 +111,7 @@ class Values:
         return value
 
     def named(self, statement: Named, rows: Mapping[str, NamedValue]) -> Iterator[NamedPair]:
-        """Each name once, and one of the rows."""
+        """Yield names with values; a name must be in ``rows`` and appear once."""
         seen: set[str] = set()
         for name, amount in statement.items:
             row = rows.get(name.text)
@@ -123,7 +127,7 @@ class Values:
                 yield row.name, self.number(amount, row.unit, row.low, row.high, row.above)
 
     def whole(self, amount: Amount, low: int, high: int, what: str) -> int:
-        """A whole number without a unit; ``low`` where there is none."""
+        """A whole number without a unit; ``low`` if the amount is wrong."""
         value, written = self._si(amount, "")
         if math.isnan(value):
             return low
@@ -138,7 +142,7 @@ class Values:
         return low
 
     def bare(self, amount: Amount, what: str, positive: bool = False) -> float:
-        """A number whose unit is said elsewhere; NaN where it is none."""
+        """A number whose unit the vehicle file defines; NaN if the amount is wrong."""
         given = self._parameters.get(amount.text, amount) if amount.is_name else amount
         if given.unit:
             message = f"{what} takes a bare number, not one in {given.unit}"
@@ -151,7 +155,7 @@ class Values:
         return self.number(amount, "s", 0.0 if zero else _SHORTEST, 1e6)
 
     def _si(self, amount: Amount, unit: str) -> tuple[float, str]:
-        """NaN where it cannot be read; and how it was written."""
+        """The value in SI (NaN if it cannot be read), and the text as written."""
         given = amount
         if amount.is_name:
             found = self._parameters.get(amount.text)
@@ -171,7 +175,7 @@ class Values:
             message = f"{shown}: the unit does not fit" if given.unit else f"{shown} is no number"
             self.problems.add(rule, amount.where, message, str(error))
             return math.nan, shown
-        if given.unit == "rad":  # texts say degrees: only what they can say is a value
+        if given.unit == "rad":  # texts are in degrees: round to a value that they can express
             value = math.radians(math.degrees(value))
         return value + 0.0, shown
 
@@ -194,7 +198,8 @@ class Values:
         return value + 0.0
 
     def place(self, place: PlaceText, here: bool = False) -> Place | None:
-        """None is where the leg is entered, where that is allowed (``here``)."""
+        """A place of the model. None means the place where the leg is entered, which is allowed
+        only with ``here``."""
         match place:
             case AtHome():
                 return HOME
@@ -210,7 +215,8 @@ class Values:
                 return Local(metres[0], metres[1])
 
     def area(self, text: AreaText) -> Area:
-        """Its depths in order; whether its corners make a polygon is for the check, by home."""
+        """An area; its depths must be in order. The check later judges whether its corners make a
+        polygon, since that needs home."""
         corners = tuple(self.place(corner) or HOME for corner in text.corners)
         if len(corners) > CORNERS.most:
             hint = "make two areas of it"
@@ -285,7 +291,7 @@ class Values:
         return Back(text.variable.text, text.extreme == "highest", text.peak.text, within, where)
 
     def _has_extremes(self, name: Name) -> None:
-        """What goes round or only grows has no highest, and falls nowhere."""
+        """Refuse a variable without a peak: an angle that goes round, or a time that only grows."""
         row = VARIABLES.get(name.text)
         if row is not None and (row.circular or row.timed):
             message = f"{row.name} {'goes round' if row.circular else 'only grows'}: it has no peak"
@@ -293,7 +299,7 @@ class Values:
             self.problems.add("no-trend", name.where, message, hint)
 
     def _difference(self, name: Name, amount: Amount) -> float:
-        """Between two values of a variable: more than 0."""
+        """A difference between two values of a variable; it must be above 0."""
         row = VARIABLES.get(name.text)
         if row is not None:
             most = 180.0 if row.unit == "deg" else 1e6
@@ -304,7 +310,7 @@ class Values:
         return math.nan
 
     def _reach(self, amount: Amount) -> tuple[float, bool]:
-        """How far a trend looks; and whether that is m of depth, not s."""
+        """The window of a trend, and whether it is in m of depth instead of s."""
         given = self._parameters.get(amount.text, amount) if amount.is_name else amount
         unit = UNITS.get(given.unit)
         row = WINDOWS.get(unit.si) if unit is not None else None
@@ -340,7 +346,7 @@ class Values:
 
 
 def whole_place(place: PlaceText) -> Where:
-    """Where a place stands, for complaints about it."""
+    """Where a place stands in the text, for messages."""
     match place:
         case AtHome(where) | Here(where):
             return where

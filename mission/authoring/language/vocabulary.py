@@ -1,6 +1,6 @@
-"""The words that may stand in a mission, each with what it says, for completion and hover.
+"""The words of a mission, each with its description, for completion and hover.
 
-What stands where is the JSON Schema's (schema); the variables of guards are the registry's.
+They come from the JSON Schema (schema.py); the variables of guards come from their registry.
 """
 
 from __future__ import annotations
@@ -14,8 +14,8 @@ Word = dict[str, str]
 
 
 def vocabulary() -> list[Word]:
-    """``{"word", "says", "of"}``; ``of``: mission, leg, group, handler, guard, or the table that it
-    stands in (safety, assume, achieve)."""
+    """Rows ``{"word", "says", "of"}``. ``says``: the description. ``of``: mission, leg, group,
+    handler, guard, or the table of the word (safety, assume, achieve)."""
     made = schema()
     parts = made["definitions"]
     handler = parts["handlers"]["items"]

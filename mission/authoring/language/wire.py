@@ -1,6 +1,6 @@
-"""What can be wrong with a ZA word, and what to write instead (document 000, table 2.2.2).
+"""Errors in a ZA command, and what to write instead (document 000, table 2.2.2).
 
-What does not live here: what a good one sets (legs.py), which codes there are (words.py).
+What does not live here: what a valid command sets (settings.py), which codes exist (words.py).
 """
 
 from __future__ import annotations
@@ -11,12 +11,12 @@ import re
 from mission.authoring.language.words import ATTITUDE, REFUSED_ZA, SETTINGS, ZA
 from mission.model.units import GEARS
 
-_LONGEST = 40  # more than any number that could be meant has digits
+_LONGEST = 40  # characters: longer than any sensible command
 _FORM = re.compile(r"ZA([A-Z])(-?\d+)\Z")
 
 
 def wire_complaint(word: str) -> tuple[str, str, str] | None:
-    """What is wrong with a ZA word: rule, message, hint."""
+    """What is wrong with a ZA command (rule, message, hint), or None."""
     bare = word.strip("@$")
     if bare != word:
         return "frame", f"{word}: the frame's @ and $ stay outside", f"write {bare}"

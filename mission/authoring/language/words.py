@@ -1,13 +1,13 @@
 """The words of both mission texts, as tables: a new word is a new row.
 
     SETTINGS    what a leg holds            depth 10      {depth: 10 m}
-    ZA          the wire's own words        ZAS10         (line script, and bare lines)
+    ZA          the commands of the wire    ZAS10         (line script, and items of plain text)
     kinds()     what a leg does             goto home     {goto: home}
     measures(), spots(), choices()          within 15     {within: 15 m}
-    LIMITS, ASSUMPTIONS, AIMS   safety, assume and achieve, name and value in turn
+    LIMITS, ASSUMPTIONS, AIMS   names with values behind safety, assume and achieve
 
-A word of the line script and the key of the YAML form are the same.
-What does not live here: how clauses stand together (grammar.lark), what they make (legs.py).
+A word of the line script is also the key of the YAML form.
+What does not live here: how clauses combine (grammar.lark), what they make (legs.py).
 """
 
 from __future__ import annotations
@@ -29,7 +29,8 @@ C = TypeVar("C", Measure, Spot, Choice)
 
 @dataclass(frozen=True, slots=True)
 class SettingRow:
-    """``low``..``high`` in ``unit``; the setpoint's field gets ``sign * value`` (gears / 12)."""
+    """A setting: ``low``..``high`` are in ``unit``; the field of the setpoint gets
+    ``sign * value`` (for gears ``/ 12``)."""
 
     word: str
     field: str
@@ -64,10 +65,10 @@ _SETTINGS = (
 SETTINGS: Mapping[str, SettingRow] = MappingProxyType({row.word: row for row in _SETTINGS})
 STOP = "stop"  # surge 0, the same as gear 0
 
-# The order in which a leg's settings stand, in the model and in every text made from it.
+# The order of a leg's settings, in the model and in every text made from it.
 FIELD_ORDER = ("depth", "altitude", "heave", "heading", "surge", "turn", "pitch", "roll")
 VERTICAL = frozenset({"depth", "altitude", "heave"})
-GUARDED = frozenset({"depth", "altitude"})  # one setting: the one, never below the other
+GUARDED = frozenset({"depth", "altitude"})  # one setting together, as in depth never below altitude
 STEERING = frozenset({"heading", "turn"})
 
 
@@ -75,7 +76,7 @@ STEERING = frozenset({"heading", "turn"})
 class WireRow:
     """A code of ``ZA``: whole numbers from ``low`` to ``high`` become the setting ``word``.
 
-    ``sign`` is the wire's sign against the word's (ZAB4 is gear -4; ZAH90 is west).
+    ``sign`` is -1 where the wire counts the other way (ZAB4 is gear -4; ZAH90 is west).
     """
 
     code: str
@@ -100,7 +101,7 @@ _ZA = (
 ZA: Mapping[str, WireRow] = MappingProxyType({row.code: row for row in _ZA})
 ATTITUDE = "A"  # ZAA5;-3: pitch, then roll
 
-# Codes that are no words of a mission, and what to write.
+# Codes that a mission may not use, and what to write instead.
 REFUSED_ZA: Mapping[str, str] = MappingProxyType(
     {
         "V": "the vehicle has no speed sensor and refuses it; write speed 0.5 m/s, or gear 6",
@@ -110,8 +111,8 @@ REFUSED_ZA: Mapping[str, str] = MappingProxyType(
 )
 
 
-# What a leg does is a table of its own (mission.legs); these are its words.
-HOLD = "hold"  # what a leg does that says nothing else
+# The kinds of legs are a table of their own (mission.legs); these are its words.
+HOLD = "hold"  # the kind of a leg that names no other
 
 
 @derived(LEGS)
@@ -141,7 +142,7 @@ def _clauses(kind: type[C]) -> Mapping[str, C]:
 
 @derived(LEGS)
 def leg_words() -> tuple[str, ...]:
-    """Every word that a leg may have, and so every key."""
+    """Every word that a leg may have; these are the keys of a YAML leg, too."""
     own = (*kinds(), *measures(), *spots(), *choices())
     return (*SETTINGS, STOP, *own, *CLAUSES)
 
@@ -157,12 +158,12 @@ _FIELDS: Mapping[Axis, frozenset[str]] = MappingProxyType(
 
 
 def steered(row: LegType) -> frozenset[str]:
-    """The setpoint's fields that such a leg may not set."""
+    """The fields of the setpoint that a leg of this kind may not set."""
     axes = Axis if row.keeps else row.steers
     return frozenset(field for axis in axes for field in _FIELDS[axis])
 
 
-GENERATED = re.compile(r"line\d+\Z")  # what a leg without a name is called: by its line
+GENERATED = re.compile(r"line\d+\Z")  # the name of a leg without a name: its line
 
 
 @dataclass(frozen=True, slots=True)
@@ -172,7 +173,7 @@ class NamedValue:
     low: float
     high: float
     description: str
-    above: bool = True  # low itself is out
+    above: bool = True  # the value must be above ``low``
 
 
 _LIMITS = (
@@ -203,7 +204,7 @@ _AIMS = (
 )
 AIMS: Mapping[str, NamedValue] = MappingProxyType({row.name: row for row in _AIMS})
 
-# Of what a trend reaches over: s, or m of depth.
+# The window of a trend, by its unit: s, or m of depth.
 WINDOWS: Mapping[str, NamedValue] = MappingProxyType(
     {
         "s": NamedValue("s", "s", 2, 3600, "of the leg's last time", above=False),
@@ -211,7 +212,7 @@ WINDOWS: Mapping[str, NamedValue] = MappingProxyType(
     }
 )
 
-# Words that hold a leg's clauses together, with what they say.
+# The other words of a leg's clauses, with their descriptions.
 CLAUSES: Mapping[str, str] = MappingProxyType(
     {
         "until": "a guard that ends the leg: to the next one, or `-> name`; several may stand",

@@ -1,4 +1,4 @@
-"""The YAML form -> statements: the keys of a mission, a group, a leg, a handler.
+"""Read the YAML form into statements: the keys of a mission, a group, a leg, a handler.
 
 What does not live here: YAML itself and its traps (yaml_nodes.py), what words mean (words.py,
 legs.py), values inside a text such as ``until`` (syntax.py).
@@ -66,13 +66,13 @@ AREA_KEYS = ("corners", "between")
 HANDLER_KEYS = ("when", "held", "do")
 WITHOUT_FIX = "without fix"
 
-_NO_METRES = Amount("0", "", Where(0, 0, 0))  # stands in for what could not be read
+_NO_METRES = Amount("0", "", Where(0, 0, 0))  # replaces an unreadable amount
 
 _YES = ("true", "yes", "on", "")
 
 
 def statements(text: str, problems: Diagnostics) -> Iterator[Statement]:
-    """Every statement that could be read; the others are among the problems."""
+    """Yield every readable statement; add the others to ``problems``."""
     root = composed(text, problems)
     return iter(()) if root is None else _Form(problems).top(root)
 
@@ -87,7 +87,7 @@ class _Form:
     def top(self, root: Node) -> Iterator[Statement]:
         before = len(self._problems)
         items = dict(self._nodes.items(root, TOP_KEYS, "a mission"))
-        self._guessed = len(self._problems) > before  # a key that is missing may be misspelt
+        self._guessed = len(self._problems) > before  # a missing key may be a misspelt one
         keys = {name.text: (name, node) for name, node in items.items()}
         yield from self._head(keys, root)
         if "home" in keys:
@@ -202,7 +202,7 @@ class _Form:
             hint = "write - name: {...}, one name to each item of legs"
             if items:
                 message = "a leg is one name with its keys below"
-                odd = items[isinstance(items[0][1], MappingNode)][0]  # the first that is no leg
+                odd = items[isinstance(items[0][1], MappingNode)][0]  # the first key that is no leg
                 self._problems.add("leg-form", odd.where, message, hint)
             return
         name, inner = items[0]
@@ -281,7 +281,7 @@ class _Form:
             yield Value(word, amount)
 
     def _as_in_a_line(self, word: Name, node: ScalarNode) -> Iterator[Clause]:
-        """``8 m never below altitude 3 m`` and ``area bay``, behind their words."""
+        """Parse ``8 m never below altitude 3 m`` or ``area bay`` as a line, behind its word."""
         strip = strip_of(node)
         (_, line, column), ahead = strip.parts[0], f"{word.text} "
         read = self._syntax.leg(Strip.at(ahead + strip.text, line, column - len(ahead)))
@@ -371,14 +371,14 @@ class _Form:
         return None
 
     def _list_of_coordinates(self, node: SequenceNode) -> None:
-        """Refuses coordinates as a list: nobody could see which of them is the latitude."""
+        """Refuse coordinates as a list: it does not show which number is the latitude."""
         named = dict(zip(("latitude", "longitude"), node.value, strict=False))
         hint = _place_hint(named if len(node.value) == 2 else {})
         self._problems.add("place", where_of(node), "a list is no place: name its numbers", hint)
 
 
 def _place_hint(given: Mapping[str, Node]) -> str:
-    """With the numbers that were given, where these would make a place."""
+    """A hint how to write a place, with the given numbers if they make one."""
     for pair in (("latitude", "longitude"), ("north", "east")):
         values = [given[key].value for key in pair if isinstance(given.get(key), ScalarNode)]
         if len(values) == len(given) == 2:

@@ -1,7 +1,7 @@
-"""YAML nodes as texts with their places: what stands in the tree, checked for its traps.
+"""Read YAML nodes as texts with their positions, without the traps of YAML.
 
-Plain values are never interpreted by YAML, so ``on`` stays a word, ``1:30`` an error that says
-what to write, and ``1e3`` a number. Keys that stand twice are refused; merge keys (``<<``) work.
+YAML never interprets plain values here: ``on`` stays a word, ``1e3`` is a number, and ``1:30`` is
+an error with a hint. A key that appears twice is refused; merge keys (``<<``) work.
 """
 
 from __future__ import annotations
@@ -52,7 +52,7 @@ def composed(text: str, problems: Diagnostics) -> Node | None:
 
 
 class Nodes:
-    """Reads nodes of one file; what does not fit goes to the problems."""
+    """Reads nodes of one file; nodes of the wrong kind go to the problems."""
 
     def __init__(self, problems: Diagnostics) -> None:
         self._problems = problems
@@ -101,7 +101,7 @@ class Nodes:
         return []
 
     def items(self, node: Node, known: Sequence[str] | None, what: str) -> list[Item]:
-        """Key and value in their order, merged keys last; ``known`` None: any name."""
+        """Keys with values in their order, merged keys last; ``known`` None: any key is allowed."""
         if not isinstance(node, MappingNode):
             hint = "write keys and values, for instance {depth: 5 m, gear: 6}"
             self._problems.add("yaml-type", where_of(node), f"{what} has keys and values", hint)
@@ -142,7 +142,7 @@ class Nodes:
 def _unknown(
     name: Name, value: Node, known: Sequence[str], what: str
 ) -> tuple[str, Where, str, str]:
-    """Code, place, message and hint for a key that is none."""
+    """Code, place, message and hint for an unknown key."""
     word, _, rest = name.text.partition(" ")
     if rest and word in known and isinstance(value, ScalarNode) and not value.value:
         hint = f"write {word}: {rest:.40}"
@@ -160,8 +160,11 @@ def _unknown(
 
 
 def forgotten_colon(text: str, line: int) -> tuple[Where, str] | None:
-    """Where YAML found a colon too many, one may be missing before: ``- dive {depth: 5 m}`` in this
-    line, or a line above that is no item and has none."""
+    """Where a colon is missing, and a hint; None if none is.
+
+    YAML reports a colon too many if one before it is missing: in the same line, as in
+    ``- dive {depth: 5 m}``, or in the line above.
+    """
     lines = text.split("\n")
     for number in (line, line - 1):
         row = lines[number - 1] if 0 < number <= len(lines) else ""
@@ -173,7 +176,7 @@ def forgotten_colon(text: str, line: int) -> tuple[Where, str] | None:
 
 
 def strip_of(node: Node) -> Strip:
-    """The text of a node that is known to be a scalar."""
+    """The text of a scalar node with its position."""
     assert isinstance(node, ScalarNode)
     quote = 1 if node.style in ("'", '"') else 0
     mark = node.start_mark

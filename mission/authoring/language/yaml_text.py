@@ -1,4 +1,4 @@
-"""A Mission as YAML: one line for each leg, with units. Reads back as the same Mission."""
+"""Write a Mission as YAML: one line for each leg, with units. It reads back as the same Mission."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from mission.legs.words import Shape
 from mission.model import Aims, Area, Group, Handler, Leg, Mission, Node, Set
 from mission.model.units import number_text
 
-# Names that other YAML readers would take for something else than a text.
+# Names that other YAML readers would not read as text; they are quoted.
 _NOT_TEXT = frozenset({"on", "off", "yes", "no", "true", "false", "null", "y", "n"})
 
 
