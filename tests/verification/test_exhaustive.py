@@ -6,6 +6,7 @@ import json
 from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -40,6 +41,7 @@ from mission.verification.exhaustive.commands import COMMANDS
 from mission.verification.exhaustive.configurations import WAYS, Ground, configurations, ground
 from mission.verification.exhaustive.events import events
 from mission.verification.exhaustive.fork import Fork
+from mission.verification.exhaustive.laws import _line_was_away
 from mission.verification.exhaustive.run import LAWS, Found, examine_ground, unasked
 from mission.verification.exhaustive.world import World
 from protocol.messages import UPWARD, Order, SetSafety
@@ -595,6 +597,22 @@ BROKEN: tuple[tuple[Break, str, str], ...] = (
 def worlds(survey: Ground) -> dict[str, tuple[Configuration, Fork[World]]]:
     wanted = {name for _, name, _ in BROKEN}
     return {c.name: (c, Fork(w)) for c, w in configurations(survey) if c.name in wanted}
+
+
+@pytest.mark.parametrize(
+    ("left", "wrong"), [([], False), ([b"@ZAX0$"], False), ([b"@ZAU12$"], True)]
+)
+def test_one_other_command_after_the_line_is_back_is_seen_in_idle(
+    left: list[bytes], wrong: bool
+) -> None:
+    cell = SimpleNamespace(
+        event=SimpleNamespace(causes={"line"}),
+        configuration=SimpleNamespace(region="idle"),
+        region="idle",
+        state="idle/ready",
+        frames=lambda start: [SimpleNamespace(data=data) for data in left],
+    )
+    assert bool(_line_was_away(cell)) is wrong  # type: ignore[arg-type]
 
 
 @pytest.fixture

@@ -94,6 +94,7 @@ def _excused(story: Story, begin: float, end: float) -> bool:
 
 def _sinks_from_rest(story: Story, stay: Stay) -> Iterator[Violation]:
     deep = _DEEP_AGAIN if stay.state == SURFACED else _DEEP
+    deep += story.settings.sea.waves[0]  # by crests, single reports are less deep than that
     shallowest, seen, last = math.inf, 0, -math.inf
     deeper = _DEEPER + (_ROSE if story.depth(stay.begin) > 1.0 else 0.0)
     reports = story.told_in(stay.begin, stay.end)
@@ -135,12 +136,14 @@ def _pauses(story: Story, begin: float, end: float) -> list[tuple[float, float]]
 
 
 def _begins_upward(story: Story, stay: Stay) -> Iterator[Violation]:
-    """Not where a leg's ascent goes on, nor upside down: there it begins by letting go."""
+    """Not where a leg's ascent continues, nor where the vehicle is upside down or was so in its
+    last report: there the ascent begins by letting go."""
     goes_on = stay.step is not None and not stay.step.actions
     end = stay.begin + _FIRST
     if goes_on or stay.end < end or story.hindered(stay.begin - 1.0, end):
         return
-    if story.tilt(stay.begin) > _UPRIGHT or story.faulty(("attitude_", "roll_"), stay.begin, end):
+    tilts = map(story.tilt, (stay.begin, story.told_before(stay.begin)))
+    if max(tilts) > _UPRIGHT or story.faulty(("attitude_", "roll_"), stay.begin, end):
         return
     if not any(word.data in story.upward for word in story.words_in(stay.begin, end)):
         yield Violation(SUNK, end, f"no upward word within {_FIRST:g} s of {stay.state}")

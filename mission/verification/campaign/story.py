@@ -199,6 +199,11 @@ class Story:
         )
         return self.told[low:high]
 
+    def told_before(self, t: float) -> float:
+        """When the last report before ``t`` was taken; ``t`` if none was."""
+        low = bisect.bisect_left(self._told_at, t)
+        return self._told_at[low - 1] if low else t
+
     def samples_in(self, begin: float, end: float) -> Iterator[Told]:
         """Of those the ones that limits count: 0.9 s apart at least (R5)."""
         told = self.told_in(begin, end)

@@ -23,6 +23,7 @@ from mission.verification.campaign.depth_laws import DEPTH_FAULTS
 from mission.verification.campaign.excuses import NEVER_BELIEVED, SLIGHT, WANDERING, beside, lift
 from mission.verification.campaign.laws import Violation
 from mission.verification.campaign.story import AGAIN, SAME, Stay, Story
+from mission.verification.rig.acts import Act
 
 UNLAWFUL = "unlawful"
 UNSENT = "unsent"
@@ -38,6 +39,7 @@ _CLEAR_AGAIN = 4.9, 30.5  # s: 5 to 30 (R7), and what a frame takes
 _PROVED = 14  # s: what proves the surface where no depth tells is 10 s old (R7); two reports
 _AC, _ORDER = re.compile(rb"@AC\$"), re.compile(rb"@ZA(?:X0|WF)\$")
 _UNDETECTED = ("depth_too", "depth_drifting", "depth_late", "depth_stuck", "depth_inter")
+_IDENTICAL = 5  # reports while a thruster turns, by which a depth counts as frozen
 _DIED = 4.5  # m: 2 m/s between two reports are no leap (R5), and the sensor
 
 
@@ -150,7 +152,7 @@ def _is_cleared(story: Story, stay: Stay) -> Iterator[Violation]:
     unknown = asked and (in_vain or not story.told_in(t - STALE_AFTER, t))  # none is believed (R7)
     under = not asked and min(story.depth(t - i) for i in range(_PROVED + 1)) > _CLEAR
     untold = story.faulty((*_UNDETECTED, *REPEATING, *WANDERING), t - _DOUBTED, t)
-    told = under and not untold and not _died_near(story, t)
+    told = under and not untold and not _died_near(story, t) and not _froze_near(story, t)
     faulty = story.faulty(DEPTH_FAULTS, t - 10.0, t) and not told
     if depth > bound and not unknown and not faulty:
         yield Violation(UNLAWFUL, t, f"cleared {depth:.1f} m deep")
@@ -160,6 +162,18 @@ def _died_near(story: Story, t: float) -> bool:
     """A depth that said 0 from so near the surface on that nothing tells it from one that rose."""
     dead = story.faults(("depth_dead",), t - _DOUBTED, t)
     return any(story.depth(fault.begin) < _DIED for fault in dead)
+
+
+def _froze_near(story: Story, t: float) -> bool:
+    """A depth that froze near the surface, and since then, or since the program's last start, no
+    thruster has turned for long enough to show it (R7)."""
+    booted = [done.t for done in story.done if done.act is Act.BOOT and done.t < t]
+    for fault in story.faults(("depth_frozen",), t - _DOUBTED, t):
+        since = max([fault.begin, *booted])
+        turning = sum(since < report.t < t and report.may_turn for report in story.reports)
+        if story.depth(fault.begin) < _CLEAR and turning < _IDENTICAL:
+            return True
+    return False
 
 
 def _is_asked_twice(story: Story, t: float) -> bool:

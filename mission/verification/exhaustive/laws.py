@@ -224,8 +224,6 @@ def _emergency(cell: Cell) -> Verdict:
             continue
         if (here, there) == (STOPPED, SURFACING) and stays_down(cell):
             continue
-        if (here, there) == ("manual", "idle") and WATER not in cell.line.has:
-            causes |= {"AA"}  # to the last leg, which ends at once for a vehicle on land
         if not (causes & cell.event.causes or "" in causes):
             return f"{here} -> {there}"
     return "" if cell.configuration.region == "emergency" else asked
@@ -320,7 +318,8 @@ def _line_was_away(cell: Cell) -> Verdict:
     left = [t.data for t in cell.frames(b"@Z")]
     stopped = cell.state in (STOPPED, SURFACED)
     if stopped or cell.region == "idle":
-        return wrong((set(left) > {X} or (stopped and not left), f"{left} left in {cell.state}"))
+        other = set(left) - {X}
+        return wrong((bool(other) or (stopped and not left), f"{left} left in {cell.state}"))
     if cell.region == "manual":
         return wrong((cell.state == MANUAL_DRIVING and bool(left), f"{left} left under the stick"))
     holds = len(cell.states) == 1 and (cell.state == SURFACING or cell.leg is not None)

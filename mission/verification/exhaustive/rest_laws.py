@@ -10,7 +10,6 @@ from mission.verification.exhaustive.cell import Cell
 from mission.verification.exhaustive.laws import DEEP_REST, Law, Verdict, stays_down, wrong
 from mission.verification.exhaustive.lines import U12, WATER, W, X
 
-_BLIND = 6.5  # s after which a missing depth is not believed
 _LATE = 3.0  # s for a report and the line
 _ASKED = frozenset({"X", "W", "M", "AA", "AC", "NS", "restart", "minute", "silence", "line"})
 _MAY_TURN = frozenset({"W", "NS", "restart"})  # after the last two AUTO is open

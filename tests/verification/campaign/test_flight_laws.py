@@ -24,7 +24,7 @@ from mission.verification.campaign.reports import Report
 from mission.verification.campaign.scene import DOWN, X, repeated, say
 from mission.verification.campaign.status_laws import _is_stuck, _is_told_up
 from mission.verification.campaign.story import Stay
-from mission.verification.campaign.surface_laws import _died_near, _is_asked_twice
+from mission.verification.campaign.surface_laws import _died_near, _froze_near, _is_asked_twice
 from mission.verification.campaign.word_laws import _allowed
 from mission.verification.rig.acts import MODEM, TOPSIDE, Act, Disturbance
 from mission.verification.rig.trace import Done, Said
@@ -258,6 +258,31 @@ def test_a_depth_that_died_near_the_surface_is_not_told_from_one_that_rose(
     dead = FaultEvent("depth_dead", 90.0)
     told = SimpleNamespace(faults=lambda *_: [dead], depth=lambda t: depth)
     assert _died_near(told, 100.0) is untold  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("depth", "turns", "untold"),
+    [
+        (0.4, (), True),
+        (3.7, (), False),
+        (0.4, (82.0, 84.0, 86.0, 88.0), True),
+        (0.4, (82.0, 84.0, 86.0, 88.0, 90.0), False),
+        (0.4, (70.0, 72.0, 74.0, 76.0, 78.0), True),
+    ],
+)
+def test_a_depth_that_froze_near_the_surface_is_not_told_while_no_thruster_turns(
+    depth: float, turns: Sequence[float], untold: bool
+) -> None:
+    """As flight 1985 of seed 11025: killed and deaf to U12 with a depth that said 0.48 m."""
+    frozen, on, off = FaultEvent("depth_frozen", 60.0), (1800.0,) * 5, (1500.0,) * 5
+    said = [Report(t, 0.0, 0.0, 0.0, 0.4, on if t in turns else off) for t in range(62, 100, 2)]
+    told = SimpleNamespace(
+        faults=lambda *_: [frozen],
+        depth=lambda t: depth,
+        done=[Done(81.0, Act.BOOT)],
+        reports=said,
+    )
+    assert _froze_near(told, 100.0) is untold  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize(
