@@ -75,7 +75,7 @@ class Core(Flying):
         self.watch.bounds = in_force(self.vehicle, own, self.operator)
 
     def stop_again(self) -> None:
-        """Repeats a stop every 500 ms until it is acknowledged."""
+        """Repeat a stop every 500 ms until it is acknowledged."""
         if self.stop_at is not None and self.now >= self.stop_at:
             self._record(self._stop(f"{self.reason}: no acknowledgement yet"))
 

@@ -175,7 +175,7 @@ class Engine:
         return reported, fixed, told
 
     def _obey(self, inputs: Sequence[Input]) -> list[Verdict]:
-        """Obeys X and W before all others. Verdicts come in the order of the inputs."""
+        """Obey X and W before all others. Verdicts come in the order of the inputs."""
         core = self.core
         given: dict[int, Verdict] = {}
         for i, one in enumerate(inputs):

@@ -31,7 +31,7 @@ REPEAT_STOP = 0.5  # s (R7)
 
 class Flying(EngineState):
     def begin(self, chart: Chart) -> None:
-        """Starts the mission at its first leg."""
+        """Start the mission at its first leg."""
         clearance = Clearance.of(chart.mission, self.vehicle)
         self.run = Run(chart, self.now, self.ways, clearance)
         self.watch.started = self.now
@@ -53,7 +53,7 @@ class Flying(EngineState):
         self._enter(leaf, moved, "start", None, (), history=True)
 
     def follow(self, edge: Edge, evaluations: tuple[Evaluation, ...]) -> None:
-        """Follows an edge of the mission, to another leg or to the mission's end."""
+        """Follow an edge of the mission, to another leg or to the mission's end."""
         assert self.run is not None
         if edge.target == IDLE_READY:
             moved = self.machine.fire(edge.trigger)
@@ -85,7 +85,7 @@ class Flying(EngineState):
         self._record(actions, moved, trigger=trigger, by=by, evaluations=evaluations)
 
     def enter_quietly(self, leaf: str) -> None:
-        """Enters a leg as if its set had been sent and acknowledged; nothing is sent."""
+        """Enter a leg as if its set had been sent and acknowledged; nothing is sent."""
         assert self.run is not None
         self._gate(self.run.enter(leaf, (), self.vehicle_state, history=True))
         self.watch.accepted_at = self.now
@@ -118,7 +118,7 @@ class Flying(EngineState):
         self._record((action,))
 
     def fly_on(self) -> None:
-        """Sends what the active leg has to send now."""
+        """Send what the active leg has to send now."""
         run = self.flying
         if run is not None and (actions := self._gate(run.steer(self.vehicle_state))):
             self._record(actions)

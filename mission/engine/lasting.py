@@ -29,7 +29,7 @@ class Lasting:
         return copied(self)
 
     def holds(self, name: str, now: float) -> float:
-        """Notes that the condition holds; returns since when."""
+        """Note that the condition holds; return since when."""
         since = self._since.setdefault(name, now)
         gone = self._gone.pop(name, None)
         if gone is not None:
@@ -37,7 +37,7 @@ class Lasting:
         return since
 
     def breaks(self, name: str, now: float) -> None:
-        """Notes that the condition does not hold now."""
+        """Note that the condition does not hold now."""
         since = self._since.get(name)
         if since is None:
             return
@@ -56,6 +56,6 @@ class Lasting:
         self._gone.pop(name, None)
 
     def keep(self, names: Container[str]) -> None:
-        """Forgets all conditions but these."""
+        """Forget all conditions but these."""
         for name in [n for n in self._since if n not in names]:
             self.forget(name)

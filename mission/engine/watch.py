@@ -111,7 +111,7 @@ class Steering:
     def __init__(self) -> None:
         self._wanted: float | None = None
         self._since, self._from, self._peak = 0.0, 0.0, 0.0
-        self._off = self._turned = 0.0  # from the wanted heading; in all since it is wanted; rad
+        self._off = self._turned = 0.0  # rad to starboard: from the one wanted; in all since then
         self.astray: bool | None = None
         self.words = ""
 
@@ -323,7 +323,7 @@ class Watch:
         return leads_down(sent)
 
     def course_apart(self) -> bool | None:
-        """Whether, at the surface and under way ahead, course and heading are 60 deg apart."""
+        """Whether, at the surface and under way ahead, course and heading are over 60 deg apart."""
         fix: Fix | None = self.vehicle_state.fix if self.vehicle_state.receiver.fresh else None
         e, depth = self.vehicle_state.estimate, self.vehicle_state.depth
         if fix is None or fix.course is None or fix.speed is None or e is None or e.heading is None:

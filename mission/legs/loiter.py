@@ -1,6 +1,6 @@
 """A circle about a place; it ends by its time or an exit, never by itself.
 
-course = bearing from the centre + side * (90 deg + atan((distance - radius) / lookahead))
+course = bearing from the centre + side * (90 deg + atan((distance - radius) / half lookahead))
 """
 
 from __future__ import annotations
