@@ -1,10 +1,10 @@
 """The engine: step(now, inputs) -> outputs. No IO, no clock, no threads.
 
-engine     the order within a step                  core         engine state, and the actions on it
-orders     which operator may ask for what, where   run, plan    a mission under way
-vehicle_state   what can be believed                watch        what the limits look at
-limits     the limits, a table of rows              monitor      which are breached, and how long
-ascent     surfacing, proved by the depth           words        what stands in Steps and journals
-variables  what guards can name                     guards       expressions over an estimate
+engine     the order within a step                  state, core  the state, and actions on it
+orders     operators' commands, and when allowed    run, plan    a mission under way
+vehicle_state   reports, and whether to believe     watch        the quantities that limits check
+limits     the limits, a table of rows              monitor      breached limits, and how long
+ascent     surfacing, proved by the depth           words        texts of Steps and journals
+variables  the names that guards can use            guards       conditions over readings
 machine    the chart as a `transitions` machine     bounds       the bounds in force
 """

@@ -1,12 +1,12 @@
-"""Where a mission's areas let the vehicle be, judged by the estimate with its uncertainty (R5).
+"""Whether the estimate, with its uncertainty, keeps to the mission's areas (R5).
 
-    keep in    within one of those that count at its depth; where none counts, anywhere
-    keep out   in none of those that count at its depth
+    keep in    inside one of the areas that count at its depth; if none counts, anywhere
+    keep out   outside all areas that count at its depth
 
-    certain    the estimate itself is where it must not be     -> emergency/surfacing
-    uncertain  the ellipse that holds it with 95 % reaches there -> the mission's on uncertain
+    certain    the estimate itself is where it must not be   -> emergency/surfacing
+    uncertain  its 95 % ellipse reaches where it must not be -> the mission's on uncertain
 
-A depth that is not believed may be any. What does not live here: the polygons' geometry
+While the depth is not believed, every area counts. What does not live here: the polygons' geometry
 (navigation.polygons), the rows of the limits (limits), what is proved before the dive (check).
 """
 
@@ -34,7 +34,7 @@ class Fence:
 
 
 def fences(areas: Iterable[Area], place: Callable[[Place], Point | None]) -> tuple[Fence, ...]:
-    """Those whose corners are known: without a home no latitude passes the check."""
+    """The areas whose corners are all known. The check passes no latitude without a home."""
     made = []
     for area in areas:
         corners = [place(corner) for corner in area.corners]
@@ -45,17 +45,17 @@ def fences(areas: Iterable[Area], place: Callable[[Place], Point | None]) -> tup
 
 
 def breached(all_of: Sequence[Fence], here: Point, depth: float | None) -> str:
-    """The area that the estimate breaks, in words; "" for none."""
+    """The area that the estimate breaches, in words; "" for none."""
     return _broken(all_of, depth, lambda fence: inside(fence.polygon, here))
 
 
 def doubted(
     all_of: Sequence[Fence], here: Point, covariance: Covariance, depth: float | None
 ) -> str:
-    """The area that it may break, in words; "" where it surely breaks none."""
+    """The area that the estimate may breach, in words; "" if it surely breaches none."""
 
     def surely(fence: Fence) -> bool:
-        """In what it must be in; or, of what it must be out of, not surely out."""
+        """Of a keep-in area: surely inside. Of a keep-out area: not surely outside."""
         clear = sigmas(fence.polygon, here, covariance) > PLANE_95
         is_inside = inside(fence.polygon, here)
         return (is_inside or not clear) if fence.area.out else (is_inside and clear)

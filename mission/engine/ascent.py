@@ -1,23 +1,26 @@
 """Surfacing, proved and not assumed (R7): the ascent of the surface leg and of the emergency.
 
     the vehicle's ways in turn, 10 s each:  W -> X0 and U12 -> X0 alone (let go) -> W ...
-    upside down, behind them:               D12 for 5 s, at most once a minute
+    upside down, after the last of them:    D12 for 5 s, at most once a minute
 
-A way that makes the depth fall, from its turn's begin or, where it sank on, from the deepest since,
-is kept for as long as it does, over two turns of it and three (waves swing as high in each), and
-said once more when it no longer does: the board may have lost it. One under which a vehicle that
-sank has just turned round has another turn. Behind a push the wrong way a vehicle sinks on before
-it rises, and letting go then has two turns. Full thrust has two when it comes round again: by a
-depth that comes 12 s late what one way lifts is seen in the turn of the next. Where no depth tells,
-it has one more each time it comes round, up to four: what is heavy sinks in the turns of the
-others. What sank when it was let go at the surface has the two, or the four, at once. An unknown
-depth counts as not falling. Where the attitude is doubtful too, any push may lead down: each time
-the vehicle is let go that lasts twice as long, up to 160 s, and then 10 s again, since what is
-heavy needs the pushes. A depth that was known in the turn of full thrust and is not at its end does
-not cut that short: it may follow late. It never gives up. Where it begins depends on what is known:
-with X0 and U12 where the depth is not believed or the vehicle sinks from rest (as built, W first
-goes on diving), by letting go where the vehicle is upside down. Whether the surface is reached is
-seen by the vehicle's state.
+It begins with the first way; with X0 and U12 if the depth is not believed or the vehicle sinks from
+rest (as built, W first goes on diving); by letting go if the vehicle is upside down. It never gives
+up. An unknown depth counts as not falling. VehicleState sees whether the surface is reached.
+
+A way is kept as long as the depth falls under it, from the turn's start, or from the deepest since
+if the vehicle sank on. The fall must show over two and three turns too: waves are about as high in
+each. When the depth no longer falls the way is sent once more: the board may have lost it. Under a
+way in which a vehicle that sank has just turned round, one more turn follows.
+
+Longer turns:
+- Letting go has two turns after a push that led down: the vehicle sinks on before it rises.
+- Full thrust has two turns from its second time on: by a depth that comes 12 s late, a rise shows
+  in the turn of the next way. While the depth is unknown, full thrust has one turn more each time,
+  up to four: a heavy vehicle sinks in the turns of the others. A depth that was known in its turn
+  and is unknown at its end does not cut this short: it may follow late.
+- A vehicle that sank when it was let go at the surface has these two, or four, turns at once.
+- If depth and attitude are both unknown, any push may lead down: each letting go lasts twice as
+  long as the last, up to 160 s, then 10 s again, since a heavy vehicle needs the pushes.
 
 What does not live here: which ways a vehicle has (protocol.vehicles), the surface (vehicle_state).
 """
@@ -32,26 +35,26 @@ from mission.model.copies import copied
 from protocol.messages import UPWARD, Order, Setpoint
 
 TURN = 10.0  # s each way is given (R7)
-LOOK = 1.0  # s between two depths of which the deepest is taken: not the noise of hundreds
-FALL = 0.3  # m in that time: 0.03 m/s, twice the noise of the difference of two depths
-SANK = 0.6  # m deeper than at its begin, and it has sunk on: else it has to be higher than then
-ROUND = 0.1  # m less than the deepest: what had sunk a metre has turned round
+LOOK = 1.0  # s between the depths whose deepest is taken: of hundreds it would be noise
+FALL = 0.3  # m in a turn: 0.03 m/s, twice the noise of the difference of two depths
+SANK = 0.6  # m deeper than at its start: a rise counts from the deepest, else from the start
+ROUND = 0.1  # m less than the deepest: a vehicle that had sunk a metre has turned round
 DOWNWARD = Setpoint(heave=1.0)  # lifts a vehicle that is upside down
 OVERTURNED_TURN = 5.0  # s that DOWNWARD is given (R7)
 OVERTURNED_PAUSE = 60.0  # s from one DOWNWARD to the next (R7)
-LONGER = 5  # times that letting go comes round, each twice as long: 10 s to 160 s (R7)
-BLIND = 4  # turns of full thrust at most that no depth tells of (R7)
-SEEN = 6.0  # s behind a lift at the surface, and what proves the surface counts again (R7)
-WORD = 1.0  # s that an operator's W has for itself before the next way; once a turn
-DEEPER = 1.0  # m, and DOWNWARD is given up (R7); behind another way, letting go has two turns
+LONGER = 5  # turns of letting go, each twice as long as the last: 10 s to 160 s (R7)
+BLIND = 4  # turns of full thrust at most while the depth is unknown (R7)
+SEEN = 6.0  # s after a lift at the surface until what proves the surface counts again (R7)
+WORD = 1.0  # s from an operator's W to the next way; once a turn
+DEEPER = 1.0  # m deeper: DOWNWARD is given up (R7); after another way, letting go has two turns
 
 Way = Setpoint | Order
 
 
 class Ascent:
-    """``ways``: the vehicle's, in their order. ``upward``: it begins with X0 and U12; ``sank``: out
-    of the surface where it was let go; ``push``: of the ways, that which holds it up there, in the
-    place of X0 and U12. A depth is taken for its change alone, and None where not even that is
+    """One ascent. ``ways``: the vehicle's, in their order. ``upward``: begin with X0 and U12.
+    ``sank``: the vehicle sank when it was let go at the surface. ``push``: the way that holds it up
+    there, in place of X0 and U12. Depths count for their change alone; None: not even the change is
     believed."""
 
     __slots__ = (
@@ -93,12 +96,12 @@ class Ascent:
     ) -> None:
         self.began, self.why, self._ways = now, why, ways
         self._turn = self._longest = TURN
-        self._downward: tuple[Way, ...] = ()  # that led deeper, upside down
-        self._dark, self._let_go = False, 0  # neither depth nor attitude; times let go so
+        self._downward: tuple[Way, ...] = ()  # ways that led deeper, upside down
+        self._dark, self._let_go = False, 0  # depth and attitude unknown; times let go then
         self._kept = False  # the way in use has made the depth fall
-        self._heard = False  # an operator has said W in its turn
-        self._turned = False  # it goes on since it had turned round, and has to rise by now
-        self._before: float | None = None  # the deepest of the turn before, that was of this way
+        self._heard = False  # an operator has sent W in this turn
+        self._turned = False  # this turn follows since it had turned round; now it has to rise
+        self._before: float | None = None  # the deepest of the turn before, if of the same way
         self._least: tuple[float | None, ...] = ()  # the shallowest of each of its last turns
         self._begin_turn(now, depth)
         first = ways[0]
@@ -108,7 +111,7 @@ class Ascent:
             first = push or UPWARD
         self._at = ways.index(first) if first in ways else 0
         self.way: Way = ways[self._at]
-        # that has two turns later
+        # the way that has longer turns
         self.push = push or (UPWARD if UPWARD in ways else Order.SURFACE)
         self._pushes = int(self.way == self.push)
         if sank and self._pushes:
@@ -117,12 +120,12 @@ class Ascent:
 
     @property
     def pushes_up(self) -> bool:
-        """A thruster holds it up; let go, it would not be held."""
+        """Whether a thruster pushes the vehicle up in this way."""
         return self.way is Order.SURFACE or self.way == UPWARD
 
     def lifts(self, now: float, depth: float | None, unsure: bool) -> tuple[Action, ...]:
-        """For what sinks when it is let go and is at the surface: full thrust, where it was let go
-        and did not rise by that. ``unsure``: it may be upside down, and no push is begun then."""
+        """Return full thrust for a vehicle at the surface that sinks when it is let go, if it was
+        let go and did not rise by that. ``unsure``: it may be upside down; then no push begins."""
         sinks = self.way is Order.STOP and not self._kept and not unsure
         if not (sinks and self.push in self._ways):
             return ()
@@ -132,29 +135,30 @@ class Ascent:
         return (Action(self.way, f"{self.why}: let go it would sink again"),)
 
     def is_up(self, now: float) -> bool:
-        """Whether what proves the surface was seen behind that thrust, not before it."""
+        """Whether what proves the surface was seen after the last lift, not before it."""
         return now >= self._lifted_at + SEEN
 
     def first(self) -> tuple[Action, ...]:
         return (Action(self.way, self.why),)
 
     def hear(self, now: float) -> bool:
-        """An operator has said W, which is not the way in use. True once a turn: it leaves, and the
-        next way, due at once, would take its place on the line."""
+        """Note an operator's W that is not the way in use. Return whether to send it: once a turn.
+        The turn then lasts ``WORD`` s more at least, or the next way would replace W on the line.
+        """
         first, self._heard = not self._heard, True
         if first:
             self._turn = min(max(self._turn, now + WORD - self._since), self._longest)
         return first
 
     def doubt(self) -> None:
-        """The line was away: nobody may have heard what operators have said in this turn."""
+        """Note that the line was disconnected: an operator's W of this turn may be lost."""
         self._heard = False
 
     def act(
         self, now: float, depth: float | None, overturned: bool, doubtful: bool = False
     ) -> tuple[Action, ...]:
-        """What is due; nothing while the way in use is being tried, or works. ``doubtful``: it
-        cannot be told whether it is upside down."""
+        """Return what is due: nothing while the way in use is being tried, or works. ``doubtful``:
+        it is not known whether the vehicle is upside down."""
         self._see(dark=depth is None and doubtful)
         fallen = self._fallen(now, depth)
         given_up = depth is None or self._start_depth is None or self._has_led_deeper(depth)
@@ -183,22 +187,22 @@ class Ascent:
         return (Action(self.way, why),)
 
     def _works(self, fallen: float | None) -> bool:
-        """It rises; or it had sunk and has turned round."""
+        """Whether the vehicle rises, or had sunk and has turned round."""
         start, deepest = self._start_depth, self._deepest
         if fallen is None or start is None or deepest is None:
             return False
         sank = deepest - start
         rises = fallen >= FALL + (0.0 if sank > SANK else sank)
         if self._before is not None and self._before - (deepest - fallen) < 2.0 * FALL:
-            rises = False  # noise alone makes one turn's rise now and then, but not two turns'
+            rises = False  # noise may look like a rise over one turn, but not over two
         rises = rises and self._gains()
         self._kept = self._kept or rises
         self._turned = not rises and not self._turned and sank > DEEPER and fallen >= ROUND
         return rises or self._turned
 
     def _gains(self) -> bool:
-        """The turn is shallower than the one before, and by twice as much than the one before that:
-        waves swing about as high in each."""
+        """Whether this turn is shallower than the one before by FALL, and than the one before that
+        by twice as much: waves are about as high in each turn."""
         least = self._shallowest
         return all(
             then is None or least is None or then - least >= FALL * turns
@@ -206,7 +210,7 @@ class Ascent:
         )
 
     def _pushes_on(self, overturned: bool) -> bool:
-        """Nothing tells whether full thrust lifts it, and it has not had its turns."""
+        """Whether full thrust continues: nothing shows if it lifts, and it has turns left."""
         sure = not overturned and not (self._dark and self._start_depth is None)
         return sure and self.way == self.push and self._turn < self._pushes * TURN
 
@@ -215,7 +219,7 @@ class Ascent:
         self._longest = self._turn + WORD
 
     def _change(self, now: float, depth: float | None, overturned: bool) -> None:
-        """Begins the turn of the next way."""
+        """Begin the turn of the next way."""
         self._turned = False
         driven, turn = self._has_led_deeper(depth), TURN
         self._at = self._next(depth, overturned)
@@ -230,14 +234,15 @@ class Ascent:
         self._begin_turn(now, depth, turn)
 
     def _see(self, *, dark: bool) -> None:
-        """Where more is known than before, a turn is as long as ever."""
+        """Note whether depth and attitude are unknown. Once one is known, the turn has its ordinary
+        length again."""
         if self._dark and not dark:
             self._turn = min(self._turn, TURN)
         self._dark = dark
 
     def _next(self, depth: float | None, overturned: bool) -> int:
-        """The way behind the one that was tried. Upside down none that has led deeper there, and
-        where no depth is known letting go alone: every push may be one."""
+        """Return the index of the next way. Upside down, ways that led deeper are left out; if the
+        depth is unknown too, only letting go is left, since any push may lead deeper."""
         ways, at = self._ways, self._at
         led = overturned and self._has_led_deeper(depth)
         self._downward = (*self._downward, *[self.way] * led) if overturned else ()
@@ -250,7 +255,7 @@ class Ascent:
         return depth is not None and way not in self._downward
 
     def _go_on(self, now: float, depth: float | None) -> None:
-        """Another turn of the way in use."""
+        """Begin another turn of the way in use."""
         before, least = self._deepest, (*self._least[-1:], self._shallowest)
         self._begin_turn(now, depth)
         self._before, self._least = before, least
@@ -263,12 +268,12 @@ class Ascent:
         self._start_depth = self._deepest = self._shallowest = depth
 
     def _begin_long(self, now: float, depth: float | None) -> None:
-        """Of full thrust for what sank when it was let go."""
+        """Begin the long turn of full thrust, for a vehicle that sank when it was let go."""
         self._pushes = BLIND
         self._begin_turn(now, depth, TURN if depth is None else 2.0 * TURN)
 
     def _fallen(self, now: float, depth: float | None) -> float | None:
-        """m from the deepest of the turn's depths, ``LOOK`` apart, from the first known one on."""
+        """m of rise from the deepest of the turn's depths, ``LOOK`` s apart; None: not known."""
         if self._start_depth is None:
             self._start_depth = self._deepest = self._shallowest = depth
             return None
@@ -280,12 +285,13 @@ class Ascent:
         return self._deepest - depth
 
     def _has_led_deeper(self, depth: float | None) -> bool:
-        """The turn so far, by a metre from its shallowest: what was rising may go on at first."""
+        """Whether this turn has led a metre deeper than its shallowest. It counts from there, since
+        a vehicle that was rising may go on at first."""
         least = self._shallowest
         return depth is not None and least is not None and depth - least > DEEPER
 
     def _may_push_down(self, now: float) -> bool:
-        """Behind the last of the ways."""
+        """Whether DOWNWARD is next: after the last of the ways, once a minute."""
         last = self._at == len(self._ways) - 1 and self.way != DOWNWARD
         return last and now >= self._overturned_at + OVERTURNED_PAUSE
 

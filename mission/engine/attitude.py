@@ -1,9 +1,9 @@
 """Whether the vehicle is upside down: a state of the vehicle, not a fault of its sensor (R7).
 
 Beyond 90 degrees a roll is out of the range that document 000 gives it (table 3.2), so sensor
-health takes it for absurd. Three reports in a row that differ from each other and agree on it (or
-on 120 degrees) are taken for the truth; full-scale garbage repeats itself. What repeats itself to
-the last bit while thrust is on, or for a minute, tells nothing more, whatever it says.
+health takes it for absurd. It is believed by three reports in a row that differ from each other and
+are all beyond 90 (or 120) degrees; garbage at full scale repeats itself. Angles that repeat to the
+last bit while thrust is on, or for a minute, tell nothing more, whatever their value.
 """
 
 from __future__ import annotations
@@ -15,18 +15,18 @@ from mission.engine.thrust import turns
 from protocol.messages import Telemetry
 
 OVERTURNED = math.radians(120.0)  # |roll| or |pitch|
-_ON_ITS_SIDE = math.radians(90.0)  # the same: no report of a sound sensor, as health believes it
+_ON_ITS_SIDE = math.radians(90.0)  # the same angles; sensor health believes none beyond this
 _REPORTS = 3
-_FULL_CIRCLE = math.radians(180.5)  # beyond it is no angle
+_FULL_CIRCLE = math.radians(180.5)  # |angle| beyond this is invalid
 _SAME = 1e-9  # rad
-_FROZEN, _STOOD = 4, 60.0  # repeats while thrust is on; s of both without it
-_BETWEEN = 1.0  # s between repeats that count: a board may say 50 times a second what it knows
-_BROKEN_FOR = 60.0  # s for which a sensor that said what is no angle tells nothing
+_FROZEN, _STOOD = 4, 60.0  # repeats while thrust is on; s that both repeat, whatever the thrust
+_BETWEEN = 1.0  # s between repeats that count: a board may repeat a value 50 times a second
+_BROKEN_FOR = 60.0  # s after an invalid angle for which the sensor tells nothing
 
 
 class Repeats(NamedTuple):
-    """How often an angle was repeated to the last bit while thrust was on, ``_BETWEEN`` s apart;
-    ``counted``: when that last counted, or it changed, s."""
+    """How often an angle was repeated to the last bit while thrust was on, ``_BETWEEN`` s apart.
+    ``counted``: s, when a repeat last counted, or the angle last changed."""
 
     times: int = 0
     counted: float = -math.inf
@@ -40,10 +40,10 @@ class Repeats(NamedTuple):
 
 
 class Attitude(NamedTuple):
-    """What the last reports said; ``reports`` of them in a row were beyond 120 degrees. ``told``:
-    there has been one; ``gone``: and the last report says nothing of it; ``broken``: when the last
-    one came that was no angle, s; ``repeats``: of roll, and of pitch; ``stood``: for how long both
-    have said the same, s; ``beyond``: as ``reports``, of 90 degrees."""
+    """The attitude by the last reports. ``reports``: how many in a row were beyond 120 degrees;
+    ``beyond``: the same for 90 degrees. ``told``: an attitude was reported at all; ``gone``: but
+    not in the last report. ``broken``: s, when the last invalid angle came. ``repeats``: of roll,
+    and of pitch; ``stood``: s for which both have repeated."""
 
     roll: float = 0.0
     pitch: float = 0.0
@@ -62,7 +62,7 @@ class Attitude(NamedTuple):
 
     @property
     def on_its_side(self) -> bool:
-        """Or further over."""
+        """Whether the vehicle is on its side, or further over."""
         return self.beyond >= _REPORTS
 
     @property
@@ -70,15 +70,17 @@ class Attitude(NamedTuple):
         return max(each.times for each in self.repeats) >= _FROZEN or self.stood >= _STOOD
 
     def doubtful(self, now: float) -> bool:
-        """It may be upside down: the last report says so, or tells nothing more, or one of the last
-        minute was no angle: whatever such a sensor says between."""
+        """Whether the vehicle may be upside down, but this is not certain: the last report shows
+        it, has no attitude or a frozen one, or an angle of the last minute was invalid. After an
+        invalid angle it does not matter what the sensor reports since."""
         if self.overturned or self.frozen:
             return self.frozen
         beyond = max(abs(self.roll), abs(self.pitch)) > OVERTURNED
         return self.gone or beyond or now - self.broken < _BROKEN_FOR
 
     def after(self, report: Telemetry) -> Attitude:
-        """With one more report; one without roll or pitch says that nothing is known (any more)."""
+        """Return the attitude after one more report. Without roll or pitch in it, nothing is known
+        any more."""
         roll, pitch = report.roll, report.pitch
         if roll is None or pitch is None:
             return self._replace(reports=0, gone=self.told, beyond=0)

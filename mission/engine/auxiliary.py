@@ -1,6 +1,6 @@
-"""Outputs beside the motion, as the engine's state has them: minded last of a step.
+"""Outputs beside the motion, by the engine's state: the last part of a step.
 
-What does not live here: who holds what, and what is to be said (outputs).
+What does not live here: who holds which output, and what has to be sent (outputs).
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from protocol.messages import Outputs, SetOutput
 
 
 def mind_outputs(core: Core) -> None:
-    """Behind whatever moves the vehicle."""
+    """Send the outputs that have to change. Call this after everything that moves the vehicle."""
     outputs = core.outputs
     if not outputs.outputs:
         return
@@ -25,7 +25,7 @@ def mind_outputs(core: Core) -> None:
 
 
 def set_output(core: Core, command: SetOutput) -> Verdict:
-    """@AO, by hand."""
+    """Carry out an @AO: set an output by hand."""
     why = core.outputs.why_not(command.name, command.value, _situation(core))
     if not why:
         core.outputs.set_by_hand(command.name, command.value)

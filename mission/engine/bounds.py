@@ -1,7 +1,7 @@
-"""The bounds in force, and the last gate before a setpoint leaves.
+"""The bounds in force, and the last check before a setpoint is sent.
 
-In force is the tightest of three: the mission's own, the operator's (@SP), the vehicle file's hard
-ones.
+The tightest of three is in force: the mission's bound, the operator's (@SP), or the vehicle file's
+hard limit.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ def in_force(vehicle: Vehicle, mission: Safety | None, operator: SetSafety) -> B
 
 
 def admit(setpoint: Setpoint, bounds: Bounds, vehicle: Vehicle) -> str:
-    """Why a setpoint must not leave; "" if it may."""
+    """Why a setpoint must not be sent; "" if it may."""
     s = setpoint
     for name in ("surge", "turn", "heave"):
         value = getattr(s, name)

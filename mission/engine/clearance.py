@@ -1,13 +1,13 @@
-"""The depth of a set that holds a depth and never less than a height above the bottom.
+"""The depth that is sent for a set with a depth and a least height above the bottom.
 
     depth 8 never below altitude 3      Setpoint(depth=8, altitude=3) in the chart
 
-The vehicle is told a depth alone, for it holds one of the two: the shallower of the depth asked for
-and the bottom less the height, in the steps in which it can be told one. Where no altitude is
-believed (an altimeter misses echoes: that takes some seconds), the bottom is where the mission
-assumes the sea floor. Shallower acts with the report that says so; deeper only when the echoes of
-some seconds left room, and to the least that they left: or noise would steer, and one wrong echo
-sink it. What repeats is no echo.
+A vehicle holds one of the two, so it is sent a depth alone: the shallower of the depth asked for
+and the bottom less the height, in the steps of its commands. If no altitude is believed for some
+seconds (an altimeter misses echoes), the bottom is the sea floor that the mission assumes. A
+shallower depth is sent with the report that asks for it. A deeper one is sent only when the echoes
+of some seconds leave room, and only to the least room: otherwise noise would steer, and one wrong
+echo would lead the vehicle down. A value that repeats is no echo.
 
 What does not live here: what a believed altitude is (navigation's health), the other axes (run).
 """
@@ -26,9 +26,9 @@ from protocol.messages import Setpoint, Telemetry
 from protocol.vehicles import vehicle_row
 
 DEEPER_AFTER = 5.0  # s of echoes that leave room, before it goes deeper
-DEEPER_ROOM = 0.25  # m of room beyond what is held then
-ECHOES_MISSED = 6.0  # s that the last bottom stands, as a set may be blind for (run)
-_FINE = 0.5  # m: the steps where the vehicle itself has none
+DEEPER_ROOM = 0.25  # m of room left below the deeper depth
+ECHOES_MISSED = 6.0  # s for which the last bottom counts; a set may be blind as long (run)
+_FINE = 0.5  # m: the steps if the vehicle's commands have none
 
 
 def is_guarded(setpoint: Setpoint) -> bool:
@@ -37,18 +37,18 @@ def is_guarded(setpoint: Setpoint) -> bool:
 
 
 def at_depth(setpoint: Setpoint, depth: float | None = None) -> Setpoint:
-    """What a vehicle is told of a set with both: ``depth``, or the deepest that it may be."""
+    """The set that is sent for one with both: at ``depth``, or at the deepest that it may be."""
     return replace(setpoint, depth=setpoint.depth if depth is None else depth, altitude=None)
 
 
 def step_of(vehicle: Vehicle) -> float:
-    """m: in what steps a set with both goes down."""
+    """The steps, m, in which a set with both goes down."""
     return vehicle_row(vehicle.codec).granularity.depth or _FINE
 
 
 class Clearance:
-    """Of one vehicle in one mission. ``floor`` is the deepest sea floor that is assumed, m;
-    ``step`` that of the depths the vehicle can be told."""
+    """The clearance of one vehicle in one mission. ``floor``: the deepest sea floor that is
+    assumed, m; ``step``: of the depths that the vehicle can be sent, m."""
 
     def __init__(self, floor: float, step: float) -> None:
         self._floor, self._step = floor, step
@@ -59,7 +59,7 @@ class Clearance:
         self._room = 0.0  # the least since then
         self._bottom, self._seen = 0.0, -math.inf  # m below the surface, and when it was seen
         self._blind = False
-        self._said: float | None = None  # by the last echo, m, and when
+        self._said: float | None = None  # the altitude of the last echo, m, and when it came
         self._echoed = -math.inf
 
     @classmethod
@@ -71,16 +71,16 @@ class Clearance:
         return copied(self)
 
     def begin(self) -> None:
-        """A set begins: unless it asks for what the one before did, nothing is held yet. The bottom
-        is where it was; what room there was before is no room of now."""
+        """Begin a set. Unless it asks for the same as the one before, no depth is held yet. The
+        last bottom still counts, but room that was seen before does not."""
         self._begins, self._room_since = True, None
 
     def blind(self, setpoint: Setpoint) -> float:
-        """m: what a set with both holds without a believed altitude."""
+        """The depth, m, that a set with both holds without a believed altitude."""
         return self._within(setpoint, self._floor)
 
     def told(self, setpoint: Setpoint, vehicle_state: VehicleState) -> Setpoint:
-        """The set as the vehicle is told it now."""
+        """The set as it is sent to the vehicle now."""
         self._keep(setpoint)
         if not is_guarded(setpoint):
             return setpoint
@@ -90,13 +90,13 @@ class Clearance:
             self._bottom, self._seen = bottom, now
             echoes = self._hears(vehicle_state.telemetry)
         if self._blind is not (blind := now - self._seen > ECHOES_MISSED):
-            self._blind, self._room_since = blind, None  # of the one nothing is said of the other
+            self._blind, self._room_since = blind, None  # room by one is no room by the other
         if blind:
             most = room = self.blind(setpoint)
             return at_depth(setpoint, self._hold(now, most, room))
         most = self._within(setpoint, self._bottom)
         room = self._within(setpoint, self._bottom - DEEPER_ROOM)
-        if not echoes:  # what repeats makes no room, and may take some
+        if not echoes:  # a value that repeats gives no room, but may take some
             room = min(room, self._room) if self._room_since is not None else -math.inf
         return at_depth(setpoint, self._hold(self._echoed, most, room))
 
@@ -107,7 +107,7 @@ class Clearance:
         self._begins, self._asked = False, asked
 
     def _hears(self, report: Telemetry | None) -> bool:
-        """Whether the report brings an echo: what repeats is none."""
+        """Whether the report brings an echo: a value that repeats is none."""
         if report is None or report.altitude == self._said:
             return False
         self._said, self._echoed = report.altitude, report.t
@@ -121,8 +121,8 @@ class Clearance:
         return max(0.0, math.floor(room / self._step + 1e-9) * self._step)
 
     def _hold(self, told: float, most: float, room: float) -> float:
-        """``most`` is the deepest that may be held, ``room`` what it may go deeper to, as told
-        then."""
+        """Return the depth to hold. ``most``: the deepest allowed; ``room``: the depth that it may
+        go down to, by the echo of ``told`` (s)."""
         held = most if self._held is None else min(self._held, most)
         if room <= held:
             self._room_since = None
@@ -137,7 +137,7 @@ class Clearance:
 
 
 def _bottom(vehicle_state: VehicleState) -> float | None:
-    """m below the surface, by a depth and an altitude that are believed."""
+    """The bottom, m below the surface, by a believed depth and altitude; else None."""
     seen = vehicle_state.estimate
     if seen is None or seen.depth is None or seen.altitude is None:
         return None

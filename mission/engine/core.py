@@ -1,9 +1,10 @@
-"""What the engine can do beside a mission: stop, surface, hold up, mind the rest and the stick.
+"""The engine's actions outside a mission: stop, surface, hold up, watch the vehicle at rest, stick.
 
-Every verb leaves a Step; every command that leaves stands in a Step, with its reason.
+Every action records a Step. Every command sent is recorded in a Step, with its reason. "Let go"
+means: everything is stopped (X0), and buoyancy alone moves the vehicle.
 
-What does not live here: what it can do with a mission (flying), the state that verbs change
-(state), when a verb is due (engine), which operator may ask for it (orders).
+What does not live here: actions on a mission (flying), the state that actions change (state),
+when an action is due (engine), which operator may ask for it (orders).
 """
 
 from __future__ import annotations
@@ -38,13 +39,13 @@ from mission.model.regions import IDLE, MANUAL
 from mission.navigation.fixes import RECENT
 from protocol.messages import UPWARD, Order
 
-_LATER = 0.5  # s behind a report's age, and it is not believed
+_LATER = 0.5  # s beyond the greatest age of a report: by then it is surely not believed
 
 
 class Core(Flying):
     def load(self, chart: Chart | None) -> None:
-        """Takes over the store's mission; machine and limits follow. Not allowed while a mission
-        runs."""
+        """Load the stored mission (None: there is none), and rebuild machine and limits. Not to be
+        called while a mission is under way."""
         active, self.chart = self.active, chart
         self.machine = Machine(chart)
         self.machine.restore(active)
@@ -55,8 +56,9 @@ class Core(Flying):
             self._move("clear", IDLE_EMPTY, "no mission is stored", (), None)
 
     def clear(self) -> None:
-        """Clears the mission; only called where no run is under way. A stop that is not
-        acknowledged yet goes on; thrust that held up a vehicle at the surface is stopped."""
+        """Clear the mission. Not to be called while one is under way. A stop that is not yet
+        acknowledged is still repeated. Thrust that holds the vehicle up at the surface is
+        stopped."""
         self.chart, why = None, "cleared by the operator"
         if self.active != IDLE_EMPTY:
             self._move("clear", IDLE_EMPTY, why, self._stop(why) if self.hold else (), By.OPERATOR)
@@ -67,19 +69,19 @@ class Core(Flying):
         self.renew_bounds()
 
     def renew_bounds(self) -> None:
-        """Recomputes the limits in force. To be called when the mission's or the operator's limits
+        """Recompute the limits in force. Call it when the mission's or the operator's limits
         change."""
         own = self.chart.mission.safety if self.chart else None
         self.watch.bounds = in_force(self.vehicle, own, self.operator)
 
     def stop_again(self) -> None:
-        """Repeats a stop every 500 ms until it is acknowledged."""
+        """Repeat a stop every 500 ms until it is acknowledged."""
         if self.stop_at is not None and self.now >= self.stop_at:
             self._record(self._stop(f"{self.reason}: no acknowledgement yet"))
 
     def stop_quietly(self, why: str) -> None:
-        """Stops everything without a change of state, also what the stick asked for: not every
-        board has a dead man's switch."""
+        """Stop everything without a change of state. This includes what the stick asked for: not
+        every board goes neutral by itself when commands end."""
         self.reason = why
         self._record(self._stop(why))
 
@@ -94,17 +96,18 @@ class Core(Flying):
         return self.rests or (self.flying is not None and self.flying.at_surface)
 
     def doubt_stop(self) -> None:
-        """Stops again if a report shows a thruster on after an acknowledged stop, where everything
-        is stopped. An acknowledgement alone proves nothing."""
+        """Stop again if a report shows a thruster on after a stop was acknowledged, in a state in
+        which everything is stopped. An acknowledgement alone proves nothing."""
         if self.stopped_at is not None and self._stands and self.watch.turning(self.stopped_at):
             self.doubted_at = self.now
             seen = "it has way" if self.vehicle.drives else "a thruster turns"
             self._record(self._stop(f"{self.reason}: {seen} after it was stopped"))
 
     def doubt_line(self) -> None:
-        """Sends again, after the line to the vehicle was away, a stop that was acknowledged, the
-        leg's set, an ascent's way, or what holds it up: another board may have acknowledged it, or
-        nobody heard it. Words of the stick are sent all the time anyway."""
+        """Send the command in force again after the line to the vehicle was disconnected: a stop
+        that was acknowledged, the leg's set, an ascent's way, or the thrust that holds the vehicle
+        up. Another board may have acknowledged it, or none received it. Commands of the stick are
+        sent continuously anyway."""
         self.outputs.doubt()
         ascent = self.leg_ascent or self.ascent
         if ascent is not None:
@@ -118,11 +121,11 @@ class Core(Flying):
             self.repeat_set("the line to the vehicle was away: the whole set again")
 
     def stop_in(self, name: str, state: str, why: str, by: By = By.LIMIT) -> None:
-        """emergency/stopped or surfaced; ``name`` as for ``surface``."""
+        """Enter emergency/stopped or emergency/surfaced; ``name`` as for ``surface``."""
         self._let_go()
         lifted = self.active == SURFACING or state == SURFACED
         if lifted and self.vehicle_state.surfaced(self.now - SURFACE_TIME):
-            self.let_go_at = self.now  # what thrust may have held up there
+            self.let_go_at = self.now  # thrust may have held it up there
         self._to_emergency()
         self.doubted_at, self.rested = -math.inf, ""
         self._forget_sinking()
@@ -138,11 +141,12 @@ class Core(Flying):
         *,
         sinks: bool = False,
     ) -> None:
-        """emergency/surfacing, from anywhere; ``name`` is the row of the region table, ``sinks``:
-        it goes down though everything is stopped. An ascent
-        that is under way, or that a leg has begun, goes on: to begin it anew would undo what it has
-        found out. An operator's W leaves as it is, and behind it the way in use. Where that is not
-        W it does so once a turn: said again and again it would keep that way from the board."""
+        """Enter emergency/surfacing, from any state. ``name`` is the row of the region table.
+        ``sinks``: the vehicle sinks although everything is stopped.
+
+        An ascent that is under way, here or in a leg, continues: a new one would lose what it has
+        found out. An operator's W is sent, and then the way in use. If that way is not W, only the
+        first W of its turn is sent: more of them would keep that way from the board."""
         vehicle_state = self.vehicle_state
         sinking = sinks or (name == "limit" and self.rests)
         self._sank = self._sank or (sinking and self.active == SURFACED)
@@ -150,7 +154,7 @@ class Core(Flying):
         held = self.hold.way if self.hold and vehicle_state.depth is not None else None
         self._to_emergency()
         self.stop_at = self.stopped_at = None
-        self.rested = ""  # what ended in between was another rest
+        self.rested = ""  # a rest after this ascent is a new one
         self.watch.set_sent(None)
         if begun is None:
             vehicle_state.rising_since = self.now
@@ -170,13 +174,13 @@ class Core(Flying):
         self._move(name, SURFACING, why, tuple(Action(w, why) for w in words), by, evaluations)
 
     def _to_emergency(self) -> None:
-        """Ends the mission; from here the operator has to clear, or to take the stick."""
+        """End the mission. From here the operator has to clear, or to take the stick."""
         self.ascent = self.hold = self.deep_since = None
         self.halt_run()
         self.emergency_since_idle, self.emergency_at = True, self.now
 
     def say_last(self, action: Action) -> None:
-        """Enters emergency/surfacing with this one command; no ascent goes on from it."""
+        """Enter emergency/surfacing and send this one command; no ascent follows it."""
         if self.active == SURFACING:
             self._record((action,))
         else:
@@ -185,8 +189,8 @@ class Core(Flying):
         self.ascent = self.stop_at = self.stopped_at = None
 
     def climb(self) -> None:
-        """Goes on with the emergency's ascent, or ends it at the surface; what sinks when it is let
-        go is held up there, where AUTO is open."""
+        """Continue the emergency's ascent, or end it at the surface. A vehicle that sank when it
+        was let go is held up there while node AUTO is open."""
         if self.ascent is None:
             return
         holds = self._sank and self.auto
@@ -210,23 +214,24 @@ class Core(Flying):
             self.ascent = None
 
     def _let_go(self) -> None:
-        """Of what was held up at the surface."""
+        """Note that thrust no longer holds the vehicle up at the surface."""
         if self.hold is not None:
             self.let_go_at, self.hold = self.now, None
 
     def _forget_sinking(self) -> None:
-        """That it would sink again, and which way holds it up then."""
+        """Forget that the vehicle would sink again, and which way holds it up."""
         self._sank, self.push, self.neutral = False, None, 0
 
     def hold_up(self, why: str, way: Way | None = None) -> None:
-        """Says again what holds it up at the surface, or says this way."""
+        """Send again the thrust that holds the vehicle up at the surface, or send this way."""
         if self.hold is not None:
             self.hold = Hold(way or self.hold.way, self.hold.since, self.now)
             self._record((Action(self.hold.way, f"{self.reason}: {why}"),))
 
     def _mind_hold(self, hold: Hold) -> None:
-        """Where its thrusters are off the word was lost, or its board has begun anew, and it is
-        said again; once more, and the board is deaf to it: the other one that pushes up."""
+        """Send the thrust again if reports show no thruster on: the command was lost, or the board
+        restarted. The second time in succession send the other way that pushes up: the board may
+        ignore the first."""
         off = self.watch.neutral(hold.said_at)
         if off is None:
             return
@@ -240,14 +245,14 @@ class Core(Flying):
         self.hold_up("its thrusters are off", way)
 
     def excuse_descent(self) -> None:
-        """An ascent answers a descent, and the stick asks for it; to be called first in every step:
-        reports may be missing."""
+        """Do not count depth gained in an ascent or under the stick as an unexplained descent.
+        Call this first in every step, since reports may be missing."""
         if self.leg_ascent or self.active in (SURFACING, MANUAL_DRIVING):
             self.watch.descent.excuse()
 
     def mind_rest(self) -> None:
-        """Looks, with each report, for a vehicle that sinks although everything is stopped, or that
-        stays deep after X; brings it up, each time that happens (R7)."""
+        """Look, with each report, whether the vehicle sinks although everything is stopped, or
+        stays deep after X. Bring it up each time this happens (R7)."""
         kind = ("stopped" if self.active == STOPPED else "rest") if self._stands else ""
         kind = "leg" if kind and self.region == AUTONOMOUS else kind
         state, surfaced = self.vehicle_state, self.active == SURFACED
@@ -271,8 +276,8 @@ class Core(Flying):
             self._mind_hold(self.hold)
 
     def mind_fixes(self) -> None:
-        """Brings up what is taken to sink though no depth tells: the fixes that proved the surface
-        have ended, with reports or without (R7)."""
+        """Bring the vehicle up when the fixes that proved the surface have ended and no depth shows
+        whether it sinks. Reports may come or not (R7)."""
         due, ended = self._fixes_end
         if self.now >= due and not self._depth_tells and self.auto:
             done = "let go" if self.hold is None else "held up"
@@ -284,43 +289,46 @@ class Core(Flying):
 
     @property
     def _depth_tells(self) -> bool:
-        """Whether it would show that the vehicle sinks. One that stands or is above the water does
-        not, where fixes may say otherwise: the vehicle's own are fixes by that depth alone."""
+        """Whether the depth would show that the vehicle sinks. A depth that may have frozen, or is
+        above the water, would not. It still counts where the fixes are the vehicle's own: those
+        are fixes by that depth alone, so they cannot contradict it."""
         state, fix, depth = self.vehicle_state, self.vehicle_state.fix, self.vehicle_state.depth
         own = fix is not None and fix.accuracy == math.inf
         return depth is not None and (own or not (state.repeats or depth <= IN_AIR))
 
     @property
     def is_heard(self) -> bool:
-        """Whether reports come."""
+        """Whether the last report is not older than ``stale_after``."""
         told = self.vehicle_state.telemetry
         return told is not None and self.now - told.t <= self.vehicle.stale_after
 
     @property
     def _fixes_end(self) -> tuple[float, str]:
-        """When the fixes that proved the surface count as ended, and which; never where it was let
-        go a minute before: it floats. What is held up may lose that long after."""
+        """When the fixes that proved the surface count as ended (s), and which ones, in words.
+
+        inf more than a minute after the vehicle was let go: by then it floats. The minute does not
+        count while thrust holds the vehicle up, or while the ground comes nearer."""
         state, since = self.vehicle_state, self.let_go_at if self.hold is None else self.hold.since
         in_leg = self._stands and self.region == AUTONOMOUS
         if not (self.active == SURFACED or self.region == IDLE or in_leg):
             return math.inf, ""
         due, ended = fixes_end(state.receiver, since, RECENT if in_leg else ENDED)
-        nears = NEARS_GROUND in state.contradicted  # what floats and loses its fixes does not
+        nears = NEARS_GROUND in state.contradicted  # one that floats and loses fixes does not
         if self.hold is None and not nears and max(due, self.now) > since + UNSEEN:
             return math.inf, ""
         return due, ended
 
     def rest_due(self) -> float | None:
-        """When the end of the fixes is to be looked for, if nothing is heard any more."""
+        """When to check whether the fixes have ended, if no more input comes; None if never."""
         due, told = self._fixes_end[0], self.vehicle_state.telemetry
         if due < math.inf and told is not None and self._depth_tells:
             return max(due, told.t + self.vehicle.stale_after + _LATER)
         return due if due < math.inf else None
 
     def take_stick(self) -> None:
-        """Enters manual/driving; a mission stays where it was interrupted."""
+        """Enter manual/driving; a mission stays where it was interrupted."""
         self.ascent = self.hold = None
-        self.rested = ""  # what it was before the stick says nothing behind it
+        self.rested = ""  # the rest before the stick says nothing about the one after it
         self._forget_sinking()
         self.let_go_at = -math.inf
         self.watch.set_sent(None)
@@ -334,11 +342,12 @@ class Core(Flying):
         self._move("silent", MANUAL_WAITING, why, self._stop(why), None)
 
     def stick_forgotten(self) -> None:
-        """Ends manual a minute after the last M: idle at the surface, and where the vehicle never
-        tells a depth; surfacing where it is deeper, or where the depth is not known or has not
-        changed since before the stick, once AUTO is open: until then nothing turns by itself."""
+        """End manual a minute after the last M (R6): idle at the surface, and where the vehicle
+        never reports a depth. Otherwise surfacing: the vehicle is deeper, or its depth is unknown
+        or has not changed since the stick took over. Surfacing waits until node AUTO is open: no
+        thruster may start by itself before."""
         depth = self.vehicle_state.depth if self.vehicle_state.lives else None
-        tells = "depth" in self.vehicle.reports  # else nothing could end an ascent
+        tells = "depth" in self.vehicle.reports  # without a depth nothing could end an ascent
         if tells and (depth is None or depth >= SURFACE_DEPTH):
             seen = "the depth is not known" if depth is None else f"{depth:.1f} m deep"
             if self.auto:
@@ -351,8 +360,8 @@ class Core(Flying):
         self._move("forgotten", target, f"no M for a minute, {where}", (), None)
 
     def auto_off(self) -> None:
-        """Ends the mission when node AUTO is closed (R13), and lets go of what is held up; either
-        way everything is stopped."""
+        """End the mission when node AUTO is closed (R13), or let go of a vehicle that is held up;
+        both stop everything. A mission that the stick interrupts ends without a stop."""
         why = "node AUTO was closed"
         if self.region == AUTONOMOUS:
             self._move("auto off", IDLE_READY, why, self._stop(why), By.OPERATOR)
@@ -369,8 +378,8 @@ class Core(Flying):
         self.surface("limit", why, By.LIMIT, seen)
 
     def take_outcome(self, outcome: Outcome) -> None:
-        """Takes in what became of a frame: counts lost ones, notes acknowledged stops that still
-        stand, and refused, late or lost sets."""
+        """Take in the outcome of a frame: count lost frames, note the acknowledgement of a stop
+        or set in force, and a set that was refused or late; send a lost set again."""
         watch, run = self.watch, self.flying
         if outcome.result is not Result.LATE:
             watch.count(outcome)

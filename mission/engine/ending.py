@@ -1,17 +1,17 @@
 """An orderly end of the program: the vehicle surfaces first, then the program ends.
 
-    a mission, or the stick over one   --> emergency/surfacing, as by W; at a proved surface stopped
-    the stick in use under water       --> is left to whoever moves it, until it is silent (R6)
-    the stick in use elsewhere         --> X0, and what it says from then on is refused
+    a mission, also under the stick    --> emergency/surfacing, as by W; surfaced if proved already
+    the stick in use under water       --> continues until it is silent (R6)
+    the stick in use elsewhere         --> X0, and every further M is refused
     the stick taken elsewhere          --> is refused
-    an ascent                          --> goes on
-    elsewhere                          --> stays as it is: a thruster that stands is not turned
+    an ascent                          --> continues
+    elsewhere                          --> stays as it is: no thruster is started
 
-``settled`` says when the program may go: not before what an ascent has let go at the surface was
-seen to stay there, for what is too heavy sinks again; nor while a stop is not acknowledged, but
-where nobody seems to be there to do so: a board without power, on deck. Where it must go before the
-surface is proved, X0 and U12 are its last words: on the vehicle as built W does not stick, and
-nobody will be there to try another way.
+``settled`` tells when the program may end. It waits until a vehicle that an ascent let go at the
+surface was seen to stay there: one that is too heavy sinks again. It also waits while a stop is not
+acknowledged, unless no board seems to be there to do so (without power, on deck). If the program
+must end before the surface is proved, its last commands are X0 and U12: on the vehicle as built W
+does not last, and no program is left to try another way.
 
 What does not live here: for how long the program may stay (serve), the ascent (ascent).
 """
@@ -35,8 +35,8 @@ from mission.model.regions import MANUAL
 from protocol.messages import UPWARD
 
 WHY = "the program is ended"
-STAYS_UP = 30.0  # s; 0.3 N too heavy, it is 1 m deep after 25 s
-UNHEARD = 30.0  # s without a report, at the surface as far as is known: nobody is there
+STAYS_UP = 30.0  # s; a vehicle that is 0.3 N too heavy is 1 m deep after 25 s
+UNHEARD = 30.0  # s without a report, at the surface as far as is known: no board is there
 
 
 def begin(core: Core, order: Ending) -> None:
@@ -48,7 +48,7 @@ def begin(core: Core, order: Ending) -> None:
 
 
 def go_on(core: Core) -> None:
-    """To be called in every step once the end was ordered."""
+    """Continue the end. Call this in every step once the end was ordered."""
     leaves_below = _ascends_from_stick(core)
     if core.region == AUTONOMOUS or (leaves_below and core.active != MANUAL_DRIVING):
         if _at_surface(core):
@@ -60,24 +60,24 @@ def go_on(core: Core) -> None:
 
 
 def settled(core: Core) -> bool:
-    """Whether nobody has to stay with the vehicle."""
+    """Whether the vehicle no longer needs the program."""
     return _is_left_alone(core) and not _may_still_turn(core)
 
 
 def _is_left_alone(core: Core) -> bool:
-    """Whether it needs nobody, once it has done what it was told last."""
+    """Whether the vehicle needs the program no more once it has carried out the last command."""
     return not (_is_under_way(core) or _may_sink_again(core) or _is_deep(core))
 
 
 def hears_stick(core: Core) -> bool:
-    """Whether the stick would have the vehicle under water, where an end leaves it to whoever moves
-    it: not behind the last words, nor while AUTO is closed, where nobody would bring it up."""
+    """Whether an M still counts: the stick has the vehicle, or would have it, under water. None
+    counts after the last commands, or while AUTO is closed: nothing would bring the vehicle up."""
     return not core.out_of_time and _leads_under_water(core)
 
 
 def last_words(core: Core) -> None:
-    """Sends the commands that have to hold when the program is gone. What an ascent has let go at
-    the surface stays so."""
+    """Send the commands that have to last after the program has ended. A vehicle that an ascent has
+    let go at the surface stays let go."""
     sank = core.active == SURFACED and _is_deep(core) and core.auto
     if not (_is_under_way(core) or sank):
         return
@@ -88,7 +88,7 @@ def last_words(core: Core) -> None:
 
 
 def _is_under_way(core: Core) -> bool:
-    """What an end brings up."""
+    """Whether the end brings the vehicle up from this state."""
     ascends = core.active == SURFACING or _ascends_from_stick(core)
     return ascends or core.region == AUTONOMOUS
 
@@ -102,15 +102,15 @@ def _leads_under_water(core: Core) -> bool:
 
 
 def _may_sink_again(core: Core) -> bool:
-    """Whether an ascent has let it go too short a time ago to tell, by a depth or by fixes that
-    would end, that it floats. What drives on the ground does not."""
+    """Whether an ascent has let the vehicle go so recently that depth or fixes cannot show yet that
+    it floats. A vehicle that drives on the ground does not float."""
     told = core.vehicle_state.depth is not None or core.rest_due() is not None
     floats = told and not core.vehicle.drives
     return floats and core.active == SURFACED and core.now < core.let_go_at + STAYS_UP
 
 
 def _may_still_turn(core: Core) -> bool:
-    """Whether a stop is not acknowledged, and somebody may still do so."""
+    """Whether a stop is not acknowledged, and a board may still acknowledge it."""
     if core.stop_at is None:
         return False
     report = core.vehicle_state.telemetry
@@ -119,18 +119,20 @@ def _may_still_turn(core: Core) -> bool:
 
 
 def _is_deep(core: Core) -> bool:
-    """By a depth that is believed; while reports are missing, by the last one that was."""
+    """Whether the vehicle is over 2 m deep, by a believed depth; while reports are missing, by the
+    last believed one."""
     state = core.vehicle_state
     depth = state.depth
     if depth is None and not core.is_heard:
-        on_deck = state.receiver.at_surface(core.now)  # hauled in, its board without power
+        on_deck = state.receiver.at_surface(core.now)  # recovered, its board without power
         depth = state.believed_depth if state.submerged and not on_deck else None
     return depth is not None and depth > DEEP
 
 
 def _at_surface(core: Core) -> bool:
-    """Whether the surface was proved just now (R7), no believed depth contradicts it, and nothing
-    leads down: a port that has clogged shows the surface for as long as a dive needs to tell."""
+    """Whether the surface was proved just now (R7), no believed depth contradicts it, and the set
+    in force does not lead down: a clogged depth port shows the surface until the dive contradicts
+    it."""
     state = core.vehicle_state
     if not (state.depth is None or state.depth < SURFACE_DEPTH):
         return False

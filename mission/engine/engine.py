@@ -2,12 +2,12 @@
 
 Order within one step:
 
-    what was heard -> X and W -> the operator -> limits -> handlers, exits, timeouts -> steering
+    reports -> X and W -> other commands -> limits -> handlers, exits, timeouts -> steering
 
-Run to completion: one macrostep per call; what is due beyond 200 transitions waits for the next.
-Time comes with the inputs; ``next_timer`` says when to call again though nothing came.
+Each call takes all transitions that are due (one macrostep), at most 200; the next call takes the
+rest. The caller gives the time. ``next_timer`` tells when to call again if no input comes.
 
-What does not live here: the verbs (core), operators' commands (orders), limits (limits, monitor),
+What does not live here: the actions (core), operators' commands (orders), limits (limits, monitor),
 the mission under way (run), bytes, retries and channels (onboard.runtime).
 """
 
@@ -58,8 +58,8 @@ from protocol.messages import (
 )
 
 MICROSTEPS = 200
-GOES_ON = 0.1  # s from so many transitions to the step that takes the next ones
-FORGOTTEN = 60.0  # s without M (R6)
+GOES_ON = 0.1  # s after a step of MICROSTEPS transitions, until the step that takes the rest
+FORGOTTEN = 60.0  # s without M, until manual ends (R6)
 
 Input = (
     Telemetry | Fix | Aid | Outcome | Loaded | AutoNode | LineOpened | Restarted | Ending | Command
@@ -68,7 +68,7 @@ Input = (
 
 @dataclass(frozen=True, slots=True)
 class Outputs:
-    """``verdicts``: one per operator's command, in the order of the commands."""
+    """Results of a step. ``verdicts``: one per operator's command, in the commands' order."""
 
     actions: tuple[Action, ...] = ()
     steps: tuple[Step, ...] = ()
@@ -89,7 +89,7 @@ class Snapshot:
 
 
 class Engine:
-    """``navigation`` None: still being loaded; ``attach`` it later. Missions wait for it."""
+    """One vehicle's engine. ``navigation`` may be attached later; no mission starts before it."""
 
     def __init__(
         self,
@@ -106,20 +106,20 @@ class Engine:
         self.core.vehicle_state.navigation = navigation
 
     def limit_topside_silence(self, seconds: float | None) -> None:
-        """R5: off unless configured."""
+        """Set the ``topside`` limit (R5): s without a frame from an operator; None: off."""
         self.core.watch.topside_silence = seconds
 
     def hear_stick(self, now: float) -> None:
-        """Notes an M that was refused, here or before it came here (R6)."""
+        """Note a refused M (R6), refused by the engine or before it. It ends any push."""
         if self.core.any_stick != now:
             self.core.any_stick, self.core.push_at = now, None
 
     def hear_topside(self, now: float) -> None:
-        """Notes that some operator sent a good frame."""
+        """Note that an operator sent a good frame."""
         self.core.watch.topside_heard = now
 
     def step(self, now: float, inputs: Sequence[Input] = ()) -> Outputs:
-        """``now`` never goes back; ValueError if it does. Any input may come in any state."""
+        """Advance to ``now`` (s) with these inputs, in any state. ValueError if time goes back."""
         core = self.core
         if now < core.vehicle_state.now:
             raise ValueError(f"time went back from {core.vehicle_state.now} to {now}")
@@ -152,8 +152,8 @@ class Engine:
     # --- the parts of a step, in their order ---------------------------------------------------
 
     def _hear(self, inputs: Sequence[Input]) -> tuple[bool, bool, bool]:
-        """Takes in the inputs; returns whether there were reports, fixes, and anything else to
-        obey."""
+        """Take in reports, fixes and outcomes. Return whether there were reports, fixes, and
+        other inputs, which ``_obey`` handles."""
         core = self.core
         reported = fixed = told = False
         for one in inputs:
@@ -175,7 +175,7 @@ class Engine:
         return reported, fixed, told
 
     def _obey(self, inputs: Sequence[Input]) -> list[Verdict]:
-        """Obeys X and W before all others. Verdicts come in the order of the inputs."""
+        """Obey X and W before all others. Verdicts come in the order of the inputs."""
         core = self.core
         given: dict[int, Verdict] = {}
         for i, one in enumerate(inputs):
@@ -222,8 +222,8 @@ class Engine:
                 core.limit(row)
 
     def _acts(self, row: Limit) -> bool:
-        """Whether the limit acts in this state. While node AUTO is closed, none acts outside a
-        mission: no thruster turns by itself."""
+        """Whether the limit acts in this state. Outside a mission none acts while node AUTO is
+        closed: no thruster may start by itself."""
         core = self.core
         if core.region == AUTONOMOUS:
             return AUTONOMOUS in row.acts
@@ -254,7 +254,7 @@ class Engine:
     # --- time ------------------------------------------------------------------------------------
 
     def next_timer(self) -> float | None:
-        """When ``step`` is due if nothing comes in before; always later than the last step."""
+        """When ``step`` is due if no input comes before; always later than the last step."""
         return self._timer
 
     def _next_timer(self) -> float | None:
@@ -275,7 +275,7 @@ class Engine:
                 first = at
         return first
 
-    # --- whole -----------------------------------------------------------------------------------
+    # --- snapshots -------------------------------------------------------------------------------
 
     def snapshot(self) -> Snapshot:
         core, navigation = self.core, self.core.vehicle_state.navigation
@@ -293,9 +293,9 @@ class Engine:
         self._timer = self._next_timer()
 
     def place(self, leaf: str, rounds: Mapping[str, int], elapsed: float = 0.0) -> None:
-        """As if the mission under way had come to this leg ``elapsed`` s ago, in these rounds (by
-        the paths of the groups): for checks that go through every configuration. LookupError
-        without one."""
+        """Put the mission under way into this leg, as entered ``elapsed`` s ago, in these rounds
+        (by group path): for checks that go through every configuration. LookupError without a
+        mission."""
         run = self.core.run
         if run is None:
             raise LookupError("no mission is under way")
@@ -305,7 +305,7 @@ class Engine:
         run.entered -= elapsed
         self._timer = self._next_timer()
 
-    # --- what people and the runtime want to know ------------------------------------------------
+    # --- state for operators and the runtime -----------------------------------------------------
 
     @property
     def state(self) -> str:
@@ -318,7 +318,7 @@ class Engine:
 
     @property
     def leg(self) -> str:
-        """The active leg as people call it, or the interrupted one; "" if none."""
+        """The active or interrupted leg, without its region; "" if none."""
         return short(self.core.run.leaf) if self.core.run else ""
 
     @property
@@ -331,17 +331,17 @@ class Engine:
 
     @property
     def depth(self) -> float | None:
-        """As reported, None while it is not to be believed."""
+        """The reported depth, m; None while it is not believed."""
         return self.core.vehicle_state.depth
 
     @property
     def reason(self) -> str:
-        """Why the engine is where it is."""
+        """Why the engine is in this state."""
         return self.core.reason
 
     @property
     def safety(self) -> SetSafety:
-        """What the operator has set, for the store."""
+        """The operator's limits (@SP), for the store."""
         return self.core.operator
 
     @property
@@ -351,7 +351,7 @@ class Engine:
 
     @property
     def breaches(self) -> tuple[Limit, ...]:
-        """Limits that are breached now, also where they are only reported."""
+        """Limits that are breached now, including those that are only reported in this state."""
         return self.core.watch.breaches
 
     @property
@@ -364,12 +364,12 @@ class Engine:
         return self.core.run.round if self.core.run else 1
 
     def output(self, name: str) -> float | None:
-        """The value that the vehicle was told for this output; None if that is not known."""
+        """The value last sent for this output; None if it is not known to be in force."""
         return self.core.outputs.told(name)
 
     @property
     def settled(self) -> bool:
-        """Whether the program may end: nobody has to stay with the vehicle."""
+        """Whether the program may end: the vehicle no longer needs it."""
         return ending.settled(self.core)
 
     @property
@@ -379,7 +379,7 @@ class Engine:
 
     @property
     def may_clear(self) -> bool:
-        """An @AC would be accepted now."""
+        """Whether an @AC would be accepted now."""
         return not why_not_clear(self.core)
 
     @property
@@ -389,7 +389,7 @@ class Engine:
 
     @property
     def readings(self) -> Mapping[str, Reading]:
-        """Every variable, and what the mission asks of the vehicle file's, as a guard sees it."""
+        """All variables of guards, and the vehicle file's readings that the mission uses."""
         core, now = self.core, self.core.now
         seen = core.vehicle_state
         idle = now, now, 0.0, 1, lambda: None, None, seen.stale_after

@@ -1,6 +1,6 @@
-"""What the engine can do with a mission: begin it, enter its legs, send what they ask for, end it.
+"""The engine's actions on a mission: begin it, enter its legs, send their sets, end it.
 
-Every command that leaves stands in a Step, with its reason; a set beyond the limits does not leave.
+Every command sent is recorded in a Step, with its reason. A set beyond the limits is not sent.
 
 What does not live here: emergencies, the stick, rest (core), what a leg asks for (run).
 """
@@ -31,7 +31,7 @@ REPEAT_STOP = 0.5  # s (R7)
 
 class Flying(EngineState):
     def begin(self, chart: Chart) -> None:
-        """Starts the mission at its first leg."""
+        """Start the mission at its first leg."""
         clearance = Clearance.of(chart.mission, self.vehicle)
         self.run = Run(chart, self.now, self.ways, clearance)
         self.watch.started = self.now
@@ -39,12 +39,11 @@ class Flying(EngineState):
         self._fly("mission started", chart.initial)
 
     def resume(self, run: Run) -> None:
-        """Enters the interrupted leg anew; its rounds and the mission's clock have gone on."""
+        """Enter the interrupted leg from its beginning. Rounds and the mission's clock continue."""
         self._fly("mission resumed", run.leaf)
 
     def _fly(self, why: str, leaf: str) -> None:
-        """Enters a leg out of idle or manual, with the history that the run has (a new run has
-        none)."""
+        """Enter a leg from idle or manual, with the run's history (a new run has none)."""
         assert self.run is not None
         self.watch.begin(self.now)
         self.stop_at = self.stopped_at = None
@@ -54,7 +53,7 @@ class Flying(EngineState):
         self._enter(leaf, moved, "start", None, (), history=True)
 
     def follow(self, edge: Edge, evaluations: tuple[Evaluation, ...]) -> None:
-        """Follows an edge of the mission, to another leg or to the mission's end."""
+        """Follow an edge of the mission, to another leg or to the mission's end."""
         assert self.run is not None
         if edge.target == IDLE_READY:
             moved = self.machine.fire(edge.trigger)
@@ -86,13 +85,13 @@ class Flying(EngineState):
         self._record(actions, moved, trigger=trigger, by=by, evaluations=evaluations)
 
     def enter_quietly(self, leaf: str) -> None:
-        """Enters a leg as if its set had been sent and acknowledged; nothing is sent."""
+        """Enter a leg as if its set had been sent and acknowledged; nothing is sent."""
         assert self.run is not None
         self._gate(self.run.enter(leaf, (), self.vehicle_state, history=True))
         self.watch.accepted_at = self.now
 
     def _gate(self, actions: tuple[Action, ...]) -> tuple[Action, ...]:
-        """Returns the actions that may leave. A set beyond the limits counts as refused by the
+        """Return the actions that may be sent. A set beyond the limits counts as refused by the
         vehicle."""
         passed = []
         for action in actions:
@@ -115,11 +114,11 @@ class Flying(EngineState):
         return tuple(passed)
 
     def say(self, action: Action) -> None:
-        """Sends a command that does not touch the motion."""
+        """Send a command that does not affect the motion."""
         self._record((action,))
 
     def fly_on(self) -> None:
-        """Sends what the active leg has to send now."""
+        """Send what the active leg has to send now."""
         run = self.flying
         if run is not None and (actions := self._gate(run.steer(self.vehicle_state))):
             self._record(actions)
@@ -137,8 +136,8 @@ class Flying(EngineState):
         self.watch.blind_since = None
 
     def take_uncertain(self, row: Limit) -> None:
-        """Follows the mission's ``on uncertain``, once each time the position becomes uncertain.
-        The leg that it leads to is left in peace."""
+        """Follow the mission's ``on uncertain``, once each time the position becomes uncertain.
+        It does not act in the leg that it leads to."""
         run = self.flying
         if run is None or self.uncertain or run.leaf == IMPLICIT_SURFACE:
             return

@@ -2,12 +2,12 @@
 
     not unknown = unknown      false and unknown = false      true or unknown = true
 
-Unknown never opens anything and ends ``held``. An expression is compiled once into closures over
-a row of values; a Sheet says which variables all guards of one leg need, so that each is read once
-and no other is read at all.
+Unknown never opens an edge, and it ends ``held``. An expression is compiled once, into closures
+over a list of values. A Sheet lists the variables that all guards of one leg need, so that only
+those are read, each once.
 
 What does not live here: what a variable is (variables), what is remembered of it (memory), which
-guard is looked at when (run).
+guard is evaluated when (run).
 """
 
 from __future__ import annotations
@@ -33,8 +33,8 @@ STRICT_S = 1e-6  # a strict comparison of a time holds from the next microsecond
 
 @dataclass(frozen=True, slots=True)
 class Compiled:
-    """One guard, ready to be asked. ``reads`` are the places of its variables on the sheet,
-    ``timed`` those that grow with time, with the values at which the outcome changes."""
+    """One compiled guard. ``reads``: the indices of its variables on the sheet. ``timed``: the
+    indices of those that grow with time, with the values at which the outcome changes."""
 
     test: Test
     held: float
@@ -42,8 +42,8 @@ class Compiled:
     timed: tuple[tuple[int, float], ...]
 
     def next_change(self, values: list[Value], now: float) -> float | None:
-        """When, by time alone, a comparison of the guard changes; None if none does. Times are
-        rounded to 1 us so that comparisons repeat."""
+        """When, by time alone, a comparison of the guard changes; None if none does. Values of
+        time are rounded to 1 us (readings), so that a step at that time sees the change."""
         due = None
         for place, bound in self.timed:
             value = values[place]
@@ -54,12 +54,12 @@ class Compiled:
 
 
 class Sheet:
-    """The variables of a set of guards, each read once however many ask for it."""
+    """The variables of several guards; each is read once, however many guards use it."""
 
     __slots__ = ("_places", "_sources", "rows", "stale_after")
 
     def __init__(self, sources: Iterable[tuple[str, Source]] = ()) -> None:
-        """``sources``: those of the vehicle's readings, by name."""
+        """``sources``: the sources of the vehicle file's readings, by name."""
         self._sources = dict(sources)
         self.rows: list[Variable] = []
         self._places: dict[str, int] = {}

@@ -1,8 +1,8 @@
-"""For how long each of some conditions has lasted, seen through noise.
+"""For how long each of several conditions has lasted, with tolerance for noise.
 
-A moment in which one does not hold takes twice its time back and ends nothing by itself: what
-holds for more than two thirds of the time lasts sooner or later, and what holds without a break
-lasts from its beginning on, to the bit.
+Time in which a condition does not hold takes twice its length back, and does not end the condition
+by itself. So a condition that holds for more than two thirds of the time lasts in the end. One that
+holds without a break lasts exactly from its beginning.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from typing import Self
 
 from mission.model.copies import copied
 
-BACK = 2.0  # s that a second takes back in which it does not hold
+BACK = 2.0  # s that each second in which a condition does not hold takes back
 
 
 class Lasting:
@@ -20,7 +20,7 @@ class Lasting:
 
     def __init__(self) -> None:
         self._since: dict[str, float] = {}  # when it would have begun, without its breaks
-        self._gone: dict[str, float] = {}  # since when it does not hold, of those that did
+        self._gone: dict[str, float] = {}  # since when one that held does not hold
 
     def __bool__(self) -> bool:
         return bool(self._since)
@@ -29,7 +29,7 @@ class Lasting:
         return copied(self)
 
     def holds(self, name: str, now: float) -> float:
-        """Notes that the condition holds; returns since when."""
+        """Note that the condition holds; return since when."""
         since = self._since.setdefault(name, now)
         gone = self._gone.pop(name, None)
         if gone is not None:
@@ -37,7 +37,7 @@ class Lasting:
         return since
 
     def breaks(self, name: str, now: float) -> None:
-        """Notes that the condition does not hold now."""
+        """Note that the condition does not hold now."""
         since = self._since.get(name)
         if since is None:
             return
@@ -46,7 +46,7 @@ class Lasting:
             self.forget(name)
 
     def unseen(self, name: str, seconds: float) -> None:
-        """Notes that for so long nobody could tell, which counts neither way."""
+        """Note so many seconds in which the condition was unknown: they count neither way."""
         for times in (self._since, self._gone):
             if name in times:
                 times[name] += seconds
@@ -56,6 +56,6 @@ class Lasting:
         self._gone.pop(name, None)
 
     def keep(self, names: Container[str]) -> None:
-        """Forgets all conditions but these."""
+        """Forget all conditions but these."""
         for name in [n for n in self._since if n not in names]:
             self.forget(name)

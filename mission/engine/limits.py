@@ -1,7 +1,7 @@
 """The limits of R5 and R8 as a table of rows.
 
-A row says from what it is seen, how long it must last, where it acts and what follows. In regions
-where a row does not act it is still watched, and reported.
+Each row names its source, how long a breach must last, where it acts and what follows. In regions
+where a row does not act, it is still watched and reported.
 
 What does not live here: what rows look at (watch), their counters (monitor), the bounds in force
 (bounds), what a response does (engine).
@@ -24,8 +24,8 @@ from mission.navigation import distribution
 
 DEPTH_MARGIN = 1.0  # m beyond the bound (R5)
 SILENCE = 5.0  # s without a good report (R8)
-LOST_MOST = 3  # Z in succession without an answer (R8)
-BLIND_TIME = 6.0  # s without a depth to believe, submerged
+LOST_MOST = 3  # commands (Z) in succession without an answer (R8)
+BLIND_TIME = 6.0  # s without a believed depth, submerged
 
 
 class Response(enum.Enum):
@@ -48,12 +48,12 @@ def never(watch: Watch) -> float | None:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Limit:
-    """``breached`` gives True, False, or None for unknown (which counts neither way).
+    """``breached`` returns True, False, or None for unknown (which counts neither way).
 
-    ``bound`` says in words beyond what. It must last for ``samples``, or for ``seconds``: a
-    sample within the bound takes one back, a second within it two. ``acts``: in which regions and
-    states. ``due`` of a CLOCK row is when it will be breached if nothing changes. ``needs``: the
-    reports without which it is disarmed.
+    ``bound`` describes the bound in words. A breach must last for ``samples``, or for ``seconds``:
+    a sample within the bound takes one back, a second within it two. ``acts``: the regions and
+    states in which it acts. ``due``: when a CLOCK row will be breached if nothing changes.
+    ``needs``: the reports without which it is disarmed.
     """
 
     name: str
@@ -70,7 +70,7 @@ class Limit:
     needs: frozenset[str] = frozenset()
 
     def disarmed(self, vehicle: Vehicle) -> str:
-        """Why it can never act on this vehicle; "" if it can."""
+        """Why the limit can never act on this vehicle; "" if it can."""
         absent = sorted(self.needs - vehicle.reports)
         if absent:
             return f"{vehicle.name} does not report {', '.join(absent)}"
@@ -115,14 +115,14 @@ def _area(watch: Watch, here: tuple[float, float]) -> str:
 
 
 def _uncertain(watch: Watch) -> bool | None:
-    """The 95 % bound of the estimate reaches the radius, or an area."""
+    """Whether the 95 % bound of the estimate reaches the radius, or an area."""
     here, e = _position(watch), watch.vehicle_state.estimate
     if here is None or e is None:
         return None
     if watch.fences and doubted(watch.fences, here, e.covariance, watch.vehicle_state.depth):
         return True
     reach = math.hypot(*here) + distribution.around_95(e.covariance)
-    if reach <= watch.bounds.radius:  # more than enough, and cheap
+    if reach <= watch.bounds.radius:  # surely within, by a cheap test
         return False
     return distribution.within(watch.bounds.radius, *here, e.covariance) < 0.95
 
@@ -201,7 +201,7 @@ def _leak(watch: Watch) -> bool | None:
     return watch.vehicle_state.telemetry.leak if watch.vehicle_state.telemetry else None
 
 
-# also where everything should be stopped (R7)
+# includes the states in which everything should be stopped (R7)
 _EVERYWHERE = frozenset({IDLE, AUTONOMOUS, MANUAL_WAITING, STOPPED, SURFACED})
 
 _ROWS = (

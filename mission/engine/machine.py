@@ -1,10 +1,10 @@
-"""Chart -> transitions: the only file that knows the library.
+"""The chart as a machine of the library `transitions`. No other module uses the library.
 
-One HierarchicalMachine for the regions and the mission's tree, without a model of the library's
-making: legs may be called ``add`` or ``_func``. One unique trigger per edge, so that nothing is
-decided in here: guards, order and history are the engine's. An edge leaves up to the common
-ancestor of the active leg and its target, and enters down from there; that is the library's own
-resolution, for a source that is a group as for a leg.
+One HierarchicalMachine has the regions and the mission's tree. The library does not decorate its
+model with methods, so legs may be called ``add`` or ``_func``. Each edge has a unique trigger, so
+the machine decides nothing: guards, order and history are the engine's. An edge exits up to the
+common ancestor of the active leg and its target, and enters down from there. This is the library's
+own rule, for a group as source and for a leg.
 
 What does not live here: when to fire (engine), what an edge means (Chart, regions).
 """
@@ -20,7 +20,7 @@ from mission.model.regions import AGAIN, IDLE, LEG, REGION_EDGES, REGIONS
 
 
 class _State(NestedState):
-    """Writes down what was left and entered; the library's default separator breaks names."""
+    """Records the states left and entered. The library's default separator would break names."""
 
     separator = "/"
 
@@ -36,7 +36,7 @@ class _Machine(HierarchicalMachine):
 
 
 class _Configuration:
-    """The library's idea of a model: where the active state stands."""
+    """The library's model: it has the active state."""
 
     __slots__ = ("entered", "exited", "state")
 
@@ -75,7 +75,7 @@ class Machine:
                 self._add(f"{row.name}:{row.source}>{row.target}", row.source, row.target)
 
     def fire(self, trigger: str) -> tuple[tuple[str, ...], tuple[str, ...]]:
-        """What was left and what was entered, in order. Raises NoSuchEdge."""
+        """Take an edge; return the states left and entered, in order. Raises NoSuchEdge."""
         if trigger not in self._triggers:
             raise NoSuchEdge(f"{trigger} from {self.active}")
         self._at.exited, self._at.entered = [], []
@@ -84,7 +84,7 @@ class Machine:
         return tuple(self._at.exited), tuple(self._at.entered)
 
     def move(self, name: str, target: str) -> tuple[tuple[str, ...], tuple[str, ...]]:
-        """Along a row of the region table to its target, or to a leg. Raises NoSuchEdge."""
+        """Move along a row of the region table to its target, or to a leg. Raises NoSuchEdge."""
         for row in REGION_EDGES:
             if row.name == name and self._within(row.source):
                 if row.target == target:
@@ -100,7 +100,7 @@ class Machine:
         return self.active
 
     def restore(self, snapshot: str) -> None:
-        self.library.get_state(snapshot)  # raises for a state that is not there
+        self.library.get_state(snapshot)  # raises for an unknown state
         self._at.state = snapshot
         self._settle()
 
@@ -117,7 +117,7 @@ class Machine:
 
 
 def _states(chart: Chart | None) -> list[dict[str, Any]]:
-    """The tree as the library wants it: every state with its own name and its children."""
+    """The tree in the library's form: every state with its own name and its children."""
     regions: dict[str, dict[str, Any]] = {name: _node(name) for name in REGIONS}
     for region, leaves in REGIONS.items():
         regions[region]["children"] += [_node(leaf.partition("/")[2]) for leaf in leaves]

@@ -1,12 +1,11 @@
-"""What guards remember of readings: how far one went in this leg, and the peak of the leg before.
+"""The memory of guards: the extremes of a reading in this leg, and its peak in the leg before.
 
-    temperature falls 2 C within 5 m            a Window, which begins anew with the leg
+    temperature falls 2 C within 5 m            a Window, which starts empty with each leg
     depth back at highest metal within 0.5 m    a Peak: this leg's is kept for the next one
 
-Bounded, whatever comes in: a window has PARTS parts at most, each with its least and its greatest
-value, and forgets what is out of reach. Of each three reports in a row, 0.9 s apart at least, the
-middle value is remembered, so that a single wild one is no peak. What is not believed is not
-remembered.
+The memory is bounded: a window has at most PARTS parts, each with its least and greatest value, and
+drops parts that are out of reach. Of each three reports in a row, at least 0.9 s apart, the median
+is remembered, so that a single outlier is no peak. Values that are not believed are not remembered.
 
 What does not live here: what follows from it (guards), which readings are believed (variables).
 """
@@ -23,13 +22,13 @@ from mission.model import Back, Chart, Trend, terms
 from mission.model.copies import copied
 from mission.model.vehicle import SAMPLED
 
-PARTS = 32  # of a window; what is remembered reaches no farther than the window, and 1/32 less
+PARTS = 32  # of a window; the memory reaches as far as the window, or up to 1/32 less
 
 _Pair = tuple[float, float]
 
 
 class Middle:
-    """Of each three samples in a row: the middle value, and where the second one was."""
+    """The median of each three samples in a row, and where the second one was."""
 
     __slots__ = ("_last",)
 
@@ -49,7 +48,7 @@ class Middle:
 
 
 class Window:
-    """The extremes of a reading within ``reach``, in s or in m of depth, of where it is now."""
+    """The extremes of a reading within ``reach`` (s, or m of depth) of the time or depth now."""
 
     __slots__ = ("_middle", "_parts", "_step")
 
@@ -85,7 +84,7 @@ class Window:
 
 
 class Peak:
-    """The highest (or lowest) of one reading, and what another one was there."""
+    """The highest (or lowest) value of one reading, and the value of another one there."""
 
     __slots__ = ("_middle", "_sign", "best", "there")
 
@@ -121,8 +120,8 @@ class Memory:
         return copied(self, _windows=windows, _peaks=peaks)
 
     def begin(self, trends: Iterable[Trend], *, again: bool) -> None:
-        """A leg begins that watches these. ``again``: the one that was interrupted, for which the
-        leg before stays what it was. A leg in which nothing was known is no leg before."""
+        """Begin a leg that watches ``trends``. ``again``: it is the interrupted leg, and the peaks
+        of the leg before stay. A leg in which nothing was known leaves the peaks before it, too."""
         if not again:
             found = {b: peak.there for b, peak in self._peaks.items() if peak.best > -math.inf}
             self._before |= found
@@ -137,7 +136,7 @@ class Memory:
         return bool(self._rows)
 
     def take(self, scope: Scope) -> None:
-        """Remembers a report, once; of a fast board one a second."""
+        """Remember a report, once; of a fast board, one every ``SAMPLED`` s."""
         report = scope.telemetry
         if report is None or report.t < self._taken + SAMPLED:
             return
@@ -153,10 +152,10 @@ class Memory:
                 peak.take(value, there)
 
     def extreme(self, trend: Trend) -> float | None:
-        """The highest of what falls, the lowest of what rises; None: not known."""
+        """The highest value if the trend falls, the lowest if it rises; None: not known."""
         window = self._windows.get(trend)
         return None if window is None else window.extreme(highest=not trend.rises)
 
     def peak(self, back: Back) -> float | None:
-        """What the variable was at the peak of the leg before; None: not known."""
+        """The variable's value at the peak of the leg before; None: not known."""
         return self._before.get(back)

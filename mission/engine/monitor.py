@@ -16,7 +16,7 @@ from mission.model.vehicle import SAMPLED, STALE_AFTER, Vehicle
 
 
 class LimitMonitor(Watch):
-    """``breaches`` are the rows that were breached at their last look."""
+    """``breaches``: the rows that were found breached when they were last looked at."""
 
     def __init__(self, vehicle: Vehicle, vehicle_state: VehicleState, bounds: Bounds) -> None:
         super().__init__(vehicle, vehicle_state, bounds)
@@ -32,10 +32,10 @@ class LimitMonitor(Watch):
         }
         self._timed = tuple(row for row in self.rows if row.due is not never)
         self.breaches: tuple[Limit, ...] = ()
-        self.samples: dict[str, int] = {}  # breached ones, less those within the bound
+        self.samples: dict[str, int] = {}  # beyond the bound, less those within it
         self._sampled: dict[str, float] = {}  # when one was last counted
         self._lasting = Lasting()
-        self._seen: dict[str, float] = {}  # of those that must last for seconds: when it was known
+        self._seen: dict[str, float] = {}  # for rows that must last for seconds: when last known
 
     def begin(self, now: float) -> None:
         super().begin(now)
@@ -43,18 +43,18 @@ class LimitMonitor(Watch):
         self._seen, self._sampled = {}, {}
 
     def forgive(self, row: Limit) -> None:
-        """Starts the counts of a limit anew, after a response that may mend it."""
+        """Reset the counts of a limit, after a response that may end the breach."""
         self.samples.pop(row.name, None)
         self._sampled.pop(row.name, None)
         self._lasting.forget(row.name)
 
     def look(self, reported: bool, fixed: bool) -> list[Limit]:
-        """The rows that are found breached now, for as long as they must be. ``breaches`` keeps
-        those that were at their last look."""
+        """Return the rows that are breached now and have been for long enough. Rows that are not
+        looked at now stay in ``breaches``."""
         self.look_for_depth()
         rows = self._looked[reported, fixed]
         found = []
-        counts = bool(self.samples or self._lasting)  # none: no row has anything to take back
+        counts = bool(self.samples or self._lasting)  # False: there is nothing to take back
         for is_breached, row in rows:
             breached = is_breached(self)
             if breached:
@@ -77,7 +77,7 @@ class LimitMonitor(Watch):
         return first
 
     def _lasts(self, row: Limit) -> bool:
-        """Counts a breach on; returns whether it has lasted for as long as its row asks."""
+        """Count a breach; return whether it has lasted for as long as its row requires."""
         if row.seconds:
             now = self._known(row)
             return now - self._lasting.holds(row.name, now) >= row.seconds
@@ -87,8 +87,8 @@ class LimitMonitor(Watch):
         return count >= row.samples
 
     def _fade(self, row: Limit) -> None:
-        """Counts a sample within the bound: it takes one from the breach's count, because noise may
-        produce it."""
+        """Count a sample within the bound. It takes one sample (or twice its time) from the
+        breach's count, since noise may produce it."""
         if row.seconds:
             self._lasting.breaks(row.name, self._known(row))
         elif row.name in self.samples and self._is_next(row):
@@ -97,8 +97,8 @@ class LimitMonitor(Watch):
                 del self.samples[row.name]
 
     def _is_next(self, row: Limit) -> bool:
-        """Notes a sample; whether it is another than the one before, where it takes several: what
-        one reading was off by, a fast board says many times."""
+        """Note a sample; return whether it counts. If the row needs several, they count at least
+        ``SAMPLED`` s apart: a fast board repeats the error of one reading many times."""
         now = self.vehicle_state.now
         is_next = row.samples == 1 or now >= self._sampled.get(row.name, -math.inf) + SAMPLED
         if is_next:
@@ -106,8 +106,8 @@ class LimitMonitor(Watch):
         return is_next
 
     def _known(self, row: Limit) -> float:
-        """Notes that it is known now whether the row is breached; s. What was known before stood
-        until then, but no longer than what a report says is believed."""
+        """Note that it is known now whether the row is breached; return the time, s. What was known
+        before stands for ``STALE_AFTER`` at most; time beyond that counts neither way."""
         now, name = self.vehicle_state.now, row.name
         unseen = now - self._seen.get(name, now) - STALE_AFTER
         if unseen > 0.0:

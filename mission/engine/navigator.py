@@ -1,4 +1,4 @@
-"""What the engine asks of navigation, and of the frame in which that reckons.
+"""The interface of navigation, and of its local frame, that the engine uses.
 
 What does not live here: the filter itself (mission.navigation), what the engine makes of it
 (vehicle_state).
@@ -22,7 +22,7 @@ class Frame(Protocol):
 
 
 class Navigator(Protocol):
-    """What the engine asks of mission.navigation.Navigation."""
+    """The methods of mission.navigation.Navigation that the engine calls."""
 
     @property
     def frame(self) -> Frame | None: ...

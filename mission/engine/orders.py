@@ -1,8 +1,8 @@
-"""What an operator may order, and when: one function per command, each with its verdict.
+"""The commands of operators, and when they are accepted: one function each, with its verdict.
 
     X, W   in every state, never refused (R7)
-    @AA    from idle, or from manual 2 s after the stick, with everything known that it takes
-    @AC    from idle; from stopped and surfaced at the surface, or asked twice (R7)
+    @AA    from idle, or from manual 2 s after the stick, if everything that it needs is known
+    @AC    from idle; from stopped and surfaced at the surface, or if repeated (R7)
     @SP    always, in force at once (R5)
     @AO    an output that neither the mission under way nor an emergency holds
     M      always; in an emergency only after 2 s without any, and not a neutral one (R6)
@@ -54,10 +54,10 @@ from protocol.messages import (
 from protocol.operator_words import WORDS, OperatorWord
 
 STICK_QUIET = 2.0  # s (R6)
-PUSHED, WAITED = 0.15, 3  # s of a push, and the most words that a stick says in that time (R6)
-START_DEPTH = 2.0  # m: without fixes a mission starts above it (R7)
-CLEAR_AGAIN = (5.0, 30.0)  # s after an @AC that was refused there another one is meant (R7)
-PROOF_AGE = 10.0  # s that the fixes which prove a surface may be old
+PUSHED, WAITED = 0.15, 3  # s of a push, and the most M that a stick sends in that time (R6)
+START_DEPTH = 2.0  # m: with ``start without fix`` a mission starts above it (R7)
+CLEAR_AGAIN = (5.0, 30.0)  # s after a refused @AC, between which a second one is obeyed (R7)
+PROOF_AGE = 10.0  # s: the greatest age of fixes that prove the surface
 
 ACCEPTED = Verdict(True)
 _UNCLEARED = {
@@ -104,10 +104,10 @@ def manual(core: Core, command: Manual) -> Verdict:
 
 
 def _not_pushed(core: Core) -> str:
-    """Why this M takes over no emergency; "" if it does. It goes on with a push that began behind
-    2 s in which every stick was still. The first M of one does not tell: after the radio was away,
-    or the Pi stood still, those of a stick that was held all the time come at once, more than a
-    stick says in that time."""
+    """Why this M does not take over an emergency; "" if it does. It has to continue a push that
+    began after every stick was still for 2 s. The first M of a push does not suffice: after a
+    dropout of the radio, or a stall of the Pi, the M of a stick that was held all the time arrive
+    together, more of them than a stick sends in that time."""
     if core.now - max(core.any_stick, core.emergency_at) >= STICK_QUIET:
         core.push_at, core.push_words = core.now, 0
     if core.push_at is None or core.push_at <= core.emergency_at:
@@ -120,7 +120,8 @@ def _not_pushed(core: Core) -> str:
 
 
 def _at_surface(core: Core) -> bool:
-    """A believed depth, or where there is none what proves a surface; or it cannot tell."""
+    """Whether a believed depth, or without one the proof of the surface, shows the surface. True
+    for a vehicle that never reports a depth."""
     depth = core.vehicle_state.depth
     if depth is not None:
         return depth < SURFACE_DEPTH
@@ -215,12 +216,12 @@ def why_not_fly(core: Core, chart: Chart) -> str:
     return ""
 
 
-LATELY = 60.0  # s: by so old a fix it is known whether home is near (R9)
+LATELY = 60.0  # s: the greatest age of a fix that tells whether home is near (R9)
 _ALLOW = "; 'start without fix' in the mission allows it"
 
 
 def _settle_home(core: Core, chart: Chart) -> str:
-    """R9: where home is, and that it is near enough; tells navigation. Why not, or ""."""
+    """Find home, check that it is near enough, and set it in navigation (R9). Why not, or ""."""
     vehicle_state, mission, navigation = (
         core.vehicle_state,
         chart.mission,
@@ -259,8 +260,8 @@ def _from(home: Position, core: Core) -> float:
 class OrderRow:
     """One command of the operator: its ``word`` (frame, acknowledgement) and what it does.
 
-    ``regions`` in which it is allowed, all unless said; ``by_modem``: whether it may come under
-    water. ``does`` runs within the engine's step: no clock, no IO, everything from the core.
+    ``regions``: where it is allowed; empty: in all. ``by_modem``: whether it may come by modem.
+    ``does`` runs within the engine's step: no clock, no IO, everything from the core.
     """
 
     word: OperatorWord
@@ -288,7 +289,7 @@ ORDERS: Table[type, OrderRow] = Table(
 
 @contextmanager
 def registered(row: OrderRow) -> Iterator[OrderRow]:
-    """The command is there, frame and all, until the block is left."""
+    """Register the command, with its frame, for the length of a ``with`` block."""
     with WORDS.registered(row.word), ORDERS.registered(row):
         yield row
 

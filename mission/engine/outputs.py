@@ -1,21 +1,21 @@
-"""What every output of the vehicle file shall be: who holds it now, and what is to be said.
+"""The level of each output of the vehicle file: who holds it now, and what has to be sent.
 
-    emergency, end of the program   all safe but what is irreversible
-    a mission under way             those that it names anywhere: as its active leg says
-    all else                        as set by hand (@AO), safe until then; what moves or holds
-                                    the vehicle by the side of its setpoint only under the stick
+    emergency, end of the program   all outputs safe, but irreversible ones stay
+    a mission under way             outputs that it names anywhere: as its active leg says
+    all else                        as set by hand (@AO), safe until then; outputs that move or hold
+                                    the vehicle beside its setpoint only under the stick
 
-What a mission held is safe when the mission is over. The stick makes safe what it finds that moves
-or holds the vehicle, and keeps the others until they are overruled by hand, or it is over. An
-irreversible output is the operator's; where the vehicle file arms it, an ascent that has gained
-less than 1 m in 120 s sets it once, also where the depth is not known (R7).
+Outputs that a mission held are made safe when it is over. When the stick takes over, outputs that
+move or hold the vehicle are made safe. The others stay until they are set by hand, or the stick is
+over. An irreversible output is the operator's alone. If the vehicle file arms it, an ascent that
+has gained less than 1 m in 120 s sets it once, also while the depth is unknown (R7).
 
-Only what has changed is said. At the start of the program, behind a line that was away, and where
-an operator's own word has set it (@DS, @RS), nobody knows what an output is: it is said with the
-next emergency, mission or @AO, or the end of the program.
+Only changes are sent. At the start of the program, after the line was disconnected, and after an
+operator's own command has set it (@DS, @RS), the level of an output is unknown: it is sent with the
+next emergency, mission or @AO, or at the end of the program.
 
 What does not live here: the engine's state (auxiliary), frames (protocol.vehicles), how often a
-word is said (onboard.runtime).
+command is sent (onboard.runtime).
 """
 
 from __future__ import annotations
@@ -28,14 +28,15 @@ from mission.model.copies import copied
 from mission.model.regions import EMERGENCY, MANUAL
 from mission.model.vehicle import Output
 
-GAINS, WITHIN = 1.0, 120.0  # m and s: an ascent that rises slower needs help (R7)
+GAINS, WITHIN = 1.0, 120.0  # m and s: a slower ascent needs the armed outputs (R7)
 
 Levels = dict[str, float]
 
 
 class Situation(NamedTuple):
-    """What decides who holds what. ``held``: by the mission under way in its leg, also while the
-    stick interrupts it; ``driving``: the stick is in use; ``safe``: the program is to end."""
+    """What decides who holds which output. ``held``: the levels of the mission's active leg, also
+    while the stick interrupts it; ``driving``: the stick is in use; ``safe``: the program is to
+    end."""
 
     region: str
     emergency_at: float
@@ -45,26 +46,26 @@ class Situation(NamedTuple):
 
 
 class OutputKeeper:
-    """``outputs``: the vehicle file's."""
+    """The levels of ``outputs``, which are the vehicle file's."""
 
     def __init__(self, outputs: tuple[Output, ...]) -> None:
         self.outputs = {output.name: output for output in outputs}
         self._by_hand: Levels = {output.name: output.safe for output in outputs}
-        self.said: Levels = dict(self._by_hand)  # what each was told last
-        # Of those, what may not be so: of a program before this one nobody knows what it said.
+        self.said: Levels = dict(self._by_hand)  # the level last sent to each
+        # Those levels may be wrong: what an earlier program has sent is unknown.
         self.doubt()
-        self._passed: set[str] = set()  # what an operator's word has set past this since
+        self._passed: set[str] = set()  # set by an operator's own command since
         self._holder: tuple[str, float, bool] | None = None
-        self._found: Levels = {}  # by the stick: what the mission that it interrupts had set
-        self._touched: tuple[str, ...] = ()  # by hand, since the last look
+        self._found: Levels = {}  # levels of the interrupted mission, kept under the stick
+        self._touched: tuple[str, ...] = ()  # set by hand since the last look
         self._mark: tuple[float, float | None] | None = None  # of an ascent: when, how deep
 
     def clone(self) -> Self:
         return copied(self, outputs=self.outputs)
 
     def doubt(self) -> None:
-        """Nobody knows whether the outputs are what they were told. What cannot be taken back and
-        was never set is told nothing."""
+        """Note that the outputs may differ from what was sent. An irreversible output that was
+        never set does not count: nothing is sent to it."""
         self._doubtful = {
             name
             for name, o in self.outputs.items()
@@ -72,11 +73,12 @@ class OutputKeeper:
         }
 
     def pass_by(self, channels: Iterable[str]) -> None:
-        """An operator's own word sets these; it stands until somebody else holds the outputs."""
+        """Note that an operator's own command sets the outputs on these channels. Its levels stay
+        until the holder of the outputs changes."""
         self._passed |= {o.name for o in self.outputs.values() if o.channel in channels}
 
     def told(self, name: str) -> float | None:
-        """What this output is, as far as it is known."""
+        """The level of this output; None if it is not known."""
         unknown = name in self._doubtful or name in self._passed
         return None if unknown else self.said.get(name)
 
@@ -101,11 +103,11 @@ class OutputKeeper:
     def set_by_hand(self, name: str, value: float) -> None:
         self._by_hand[name] = value
         self._found.pop(name, None)
-        self._doubtful.add(name)  # said again though it were so
+        self._doubtful.add(name)  # sent even if it has this level
         self._touched = (*self._touched, name)
 
     def changes(self, at: Situation) -> Levels:
-        """Returns what has to be sent now."""
+        """Return the levels that have to be sent now."""
         self._follow(at)
         held = at.held if at.region == AUTONOMOUS else {}
         wanted = {**self._by_hand, **self._found, **held}
@@ -138,7 +140,7 @@ class OutputKeeper:
     # --- what an ascent sets -----------------------------------------------------------------
 
     def watch_ascent(self, now: float, depth: float | None, climbing: bool) -> str:
-        """Why what is armed was set just now, or ""."""
+        """Set the armed outputs if the ascent gains too little. Return why; "" if it set none."""
         armed = {o.name: o.ascent for o in self.outputs.values() if o.ascent is not None}
         if not armed or not climbing:
             self._mark = None

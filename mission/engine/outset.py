@@ -1,4 +1,4 @@
-"""Whether a mission may begin where the vehicle is: what the check assumed of the start.
+"""Whether the vehicle is near enough to home to start a mission, as the check assumed.
 
 What does not live here: where home is, and by which fix that is known (orders).
 """
@@ -9,8 +9,8 @@ from mission.engine.bounds import Bounds
 
 
 def too_far(far: float, bounds: Bounds, within: float) -> str:
-    """Why ``far`` m from home is no place to begin, and what to do; "" if it is one. ``within``:
-    m, what the mission assumes of its start."""
+    """Why a start ``far`` m from home is refused, and what to do; "" if it is allowed. ``within``:
+    m from home, which the mission assumes of its start."""
     if far > bounds.radius:
         return f"home is {far:.0f} m away, the radius in force is {bounds.radius:g} m"
     if far > within:

@@ -1,4 +1,4 @@
-"""What does not change about one leg while a mission runs: its edges in order, its guards compiled.
+"""The data of one leg that do not change in a mission: its edges in order, its guards compiled.
 
 What does not live here: which edge is next (run), what a guard means (guards).
 """
@@ -15,13 +15,13 @@ from protocol.messages import Setpoint
 
 @dataclass(frozen=True, slots=True)
 class Plan:
-    """Everything about one leg that does not change; compiled when it is first entered."""
+    """The data of one leg that do not change; compiled when the leg is first entered."""
 
     path: str
     leg: Leg
     base: Setpoint
     kind: LegType
-    guarded: tuple[tuple[Edge, Compiled], ...]  # handlers and exits, in the order of looking
+    guarded: tuple[tuple[Edge, Compiled], ...]  # handlers and exits, in the order of evaluation
     plain: tuple[Edge, ...]  # end, for, timeout, else
     sheet: Sheet
     groups: tuple[str, ...]  # around it, innermost first
@@ -65,6 +65,6 @@ def repeat_of(chart: Chart, path: str) -> int:
 
 
 def name_of(handler: Edge) -> str:
-    """The edge's name without the number of its outcome of rounds: all outcomes share it."""
+    """A handler's name: its trigger without the number of the outcome of rounds; all share it."""
     head, _, tail = handler.trigger.rpartition(":")
     return f"{head}:{tail.partition('.')[0]}"

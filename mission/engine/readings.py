@@ -1,7 +1,8 @@
-"""How a reading is taken from an instant, and how sure it is: what the rows of ``variables`` name.
+"""The functions that the rows of ``variables`` name: how a reading is taken, and how sure it is.
 
-A function of a Scope gives the SI value or None; those of ``how sure`` one standard deviation, or
-the share of the distribution that fulfils a comparison where that is not one normal variable.
+A function of a Scope returns the SI value or None. Those under ``how sure`` return one standard
+deviation, or the share of the distribution that fulfils a comparison, if the reading is not a
+single normal variable.
 
 What does not live here: names, units and ages (variables), what is remembered (memory).
 """
@@ -20,7 +21,7 @@ from protocol.messages import Telemetry
 
 
 class Recall(Protocol):
-    """What is remembered of readings, in SI; None: not known (mission.engine.memory)."""
+    """The memory of readings, in SI; None: not known (mission.engine.memory)."""
 
     def extreme(self, trend: Trend) -> float | None: ...
 
@@ -29,8 +30,8 @@ class Recall(Protocol):
 
 @dataclass(slots=True)
 class Scope:
-    """Everything a reading can be taken from, at one instant. ``track`` is the leg's own;
-    ``stale_after``: s, the age at which the vehicle's report is believed no more."""
+    """All that a reading can be taken from, at one instant. ``track``: the active leg's;
+    ``stale_after``: s, the greatest age of a believed report."""
 
     now: float
     estimate: Estimate | None
@@ -108,7 +109,7 @@ def ground_speed(scope: Scope) -> Value:
     return None if velocity is None else math.hypot(*velocity)
 
 
-_SLOWEST_COURSE = 0.05  # m/s: below, what is left of the velocity has no direction
+_SLOWEST_COURSE = 0.05  # m/s: a slower velocity has no direction
 
 
 def course(scope: Scope) -> Value:
@@ -155,7 +156,7 @@ def fix_age(scope: Scope) -> Value:
     return round(e.fix_age + scope.now - e.t, 6)
 
 
-# Times are rounded to the microsecond, so that a deadline computed the other way round is met.
+# Times are rounded to the microsecond, so that they meet a deadline computed as a sum.
 def elapsed(scope: Scope) -> Value:
     return round(scope.now - scope.entered, 6)
 

@@ -1,18 +1,18 @@
-"""Detects a vehicle that sinks although everything is stopped: no state may be the end of it (R7).
+"""Detects a vehicle that sinks although everything is stopped, in any state (R7).
 
     idle, waiting   over 2 m, and 0.5 m deeper than it has been since it came to rest, in reports
-                    over at least a second; so in a leg that waits at the surface
-    surfaced        the same over 1 m: that it sinks where it was let go is known sooner there
-    stopped         over 2 m, and 20 s since X or since it was last another 0.5 m less deep: X is
-                    also given for a diver, who is left to the buoyancy first
-    idle, waiting   the same where it was under way before, and no depth was believed when it
+                    over at least a second; the same in a leg that waits at the surface
+    surfaced        the same over 1 m: after an ascent, a vehicle that sinks is known sooner
+    stopped         over 2 m, and 20 s since X or since it last rose by another 0.5 m: X is also
+                    sent to keep a diver safe, so buoyancy alone acts first
+    idle, waiting   as in stopped, if it was under way before and no depth was believed when it
                     came to rest: it may have sunk unseen, and lie on the bottom
 
     anywhere        2 m deeper than it has been, by a depth whose zero alone is contradicted and
-                    which moves as the vehicle does: it leapt, and goes down
+                    which moves as the vehicle does
 
-An unknown depth says nothing: somebody may have the vehicle on deck. A depth that jumps farther
-than a body sinks begins anew.
+An unknown depth tells nothing: the vehicle may be on deck. A depth that jumps farther than a
+vehicle can sink starts the detection again.
 
 What does not live here: what follows (engine).
 """
@@ -32,20 +32,20 @@ if TYPE_CHECKING:
 
 DEEP = 2.0  # m
 DEEP_AGAIN = 1.0  # m, in surfaced
-ENDED, UNSEEN = 8.0, 60.0  # s without a fix, of the first that nobody sees by a depth (R7)
+ENDED, UNSEEN = 8.0, 60.0  # s without a fix; s from being let go, in which that counts (R7)
 SUNK = 0.5  # m deeper than it has been: five sigmas of a depth
-RISEN = 0.5  # m: it rises while it comes up by so much again and again, each time within ...
+RISEN = 0.5  # m: it rises as long as it comes up by so much again and again, each time within ...
 RISE_TIME = 20.0  # ... s
 _LASTS = 1.0  # s, and two reports
-_SMOOTH = 6.0  # s, of the depth that the deepest is compared with
-_LONGEST = 10.0  # s without a depth: they do not count, and its mean begins anew
+_SMOOTH = 6.0  # s: filter time of the depth whose least is remembered
+_LONGEST = 10.0  # s: a longer time without a depth does not count; the filter starts again
 _FASTER = 1.5  # times the greatest descent rate, and ...
 _JUMP = 0.5  # ... m: more than that from one report to the next is no descent
 
 
 @dataclass(frozen=True, slots=True)
 class Hold:
-    """The thrust that holds up at the surface what sinks when it is let go."""
+    """The thrust that holds up, at the surface, a vehicle that sinks when it is let go."""
 
     way: Setpoint | Order
     since: float  # s
@@ -53,7 +53,7 @@ class Hold:
 
 
 class Rest:
-    """Takes the depths of the states in which everything is stopped."""
+    """Watches the depths in states in which everything is stopped."""
 
     __slots__ = (
         "_depth",
@@ -79,27 +79,27 @@ class Rest:
         return copied(self)
 
     def begin(self, shallowest: float = math.nan, *, unseen: bool = False) -> None:
-        """Starts anew in another state: what was seen before says nothing about it, but
-        ``shallowest`` m of an ascent that proved the surface, by whatever did. ``unseen``: it was
-        under way, and no depth is believed; so it stays until one says that it is not deep."""
+        """Start again in another state: depths seen before do not count. ``shallowest``: m, if an
+        ascent has proved the surface, by depth or fixes. ``unseen``: it was under way, and no depth
+        is believed; this holds until a depth shows that it is not deep."""
         self.unseen = unseen
         self._t = self._since = -math.inf
         self._depth = self._smooth = self._from = math.nan
         self._shallowest = shallowest
         self._sunk_at: float | None = None
         self._doubted: tuple[float, float] | None = None  # s, m: a depth whose zero is unknown
-        self._highest = math.inf  # m, the least that was
-        self._odd: tuple[float, float] | None = None  # s, m: it jumped there, once
+        self._highest = math.inf  # m, the least such depth
+        self._odd: tuple[float, float] | None = None  # s, m: a jump to there, seen once
 
     def take(self, t: float, depth: float | None, deep: float = DEEP) -> None:
-        """One report; ``depth`` None where it is not believed. It may sink as far as ``deep``."""
+        """Take a report. ``depth``: None if not believed; ``deep``: m, sinking counts beyond it."""
         if depth is None:
-            return  # what it was before still stands
+            return  # the depth before still counts
         since, change = t - self._t, abs(depth - self._depth)
-        there = self._odd is not None and abs(depth - self._odd[1]) < change  # and still
-        sinks = self._follows(since, change) and not there  # not: the first one
+        there = self._odd is not None and abs(depth - self._odd[1]) < change  # still at the jump
+        sinks = self._follows(since, change) and not there  # False for the first depth
         if not (sinks or math.isnan(self._depth) or self._jumped(t, depth)):
-            return  # one alone may be wild
+            return  # a single one may be an outlier
         self._odd = None
         if not sinks:
             before = self._shallowest if math.isnan(self._depth) else math.nan
@@ -124,7 +124,7 @@ class Rest:
         return change <= _FASTER * self._fastest * max(since, 1.0) + _JUMP
 
     def _jumped(self, t: float, depth: float) -> bool:
-        """It is there for a second, and two reports."""
+        """Whether the depth has stayed at a jump's end for a second, in two reports."""
         odd = self._odd
         if odd is None or not self._follows(t - odd[0], abs(depth - odd[1])):
             self._odd = t, depth
@@ -132,8 +132,8 @@ class Rest:
         return t - odd[0] >= _LASTS
 
     def follow(self, t: float, depth: float | None) -> None:
-        """One report of a depth that is not believed and moves as the vehicle does; None where
-        there is none: then it begins anew."""
+        """Take a report of a depth that is not believed but moves as the vehicle does. None (there
+        is none) starts this again."""
         before = self._doubted
         if depth is None or before is None or t - before[0] > _LONGEST:
             self._doubted, self._highest = None if depth is None else (t, depth), math.inf
@@ -169,8 +169,8 @@ class Rest:
         return f"it sinks though everything is stopped, {self._depth:.1f} m deep"
 
     def stays_down(self) -> str:
-        """Why it is taken to stay deep, in words; "" if it is not. To be asked with every report:
-        asked less often it would learn late that a rise is over."""
+        """Why it is taken to stay deep, in words; "" if it is not. Call this with every report, or
+        it notices too late that a rise is over."""
         if self._depth <= self._from - RISEN:
             self._from, self._since = self._depth, self._t
         if self._t - self._since < RISE_TIME or not self._depth > DEEP:
@@ -179,8 +179,8 @@ class Rest:
 
 
 def fixes_end(receiver: Receiver, since: float, quiet: float = ENDED) -> tuple[float, str]:
-    """When those that came from ``since`` s on have ended, or will have if none follows for
-    ``quiet`` s, and which in words; inf where none came."""
+    """When the fixes from ``since`` (s) on have ended or will end, and which ones, in words: no fix
+    for ``quiet`` s, or no new place for RECENT s. inf if none came."""
     ends = [
         (at + ended, f"no {missing} for {ended:g} s")
         for missing, at, ended in (
@@ -193,6 +193,6 @@ def fixes_end(receiver: Receiver, since: float, quiet: float = ENDED) -> tuple[f
 
 
 def may_have_sunk(state: VehicleState, since: float) -> bool:
-    """Whether a depth that stands is all that shows the surface, and the fixes that came there
-    ``since`` s have ended: it may have frozen there."""
+    """Whether the surface is shown only by a depth that may have frozen there: it repeats, and the
+    fixes that came from ``since`` (s) on have ended."""
     return state.repeats and fixes_end(state.receiver, since, RECENT)[0] <= state.now

@@ -1,21 +1,21 @@
-"""Restart of the program: what was under way surfaces, what was at rest stays at rest.
+"""Restart of the program: a vehicle that was under way surfaces, one at rest stays at rest.
 
-    a mission, an ascent     --> emergency/surfacing, at once; what proves the surface is counted
-                                 from 6 s on, and by a depth only when that has changed: of one that
-                                 nobody saw before, it is known only after five reports with a
-                                 thruster on whether it is frozen
-    stopped, surfaced        --> the same again, everything stopped: the vehicle may be on deck
-                                 (what was surfaced was up: deeper now, it has sunk meanwhile)
-    the stick alone, a stop that nothing has acknowledged, or a rest in which it has sunk while AUTO
-    was closed, or may have while reports brought no depth to believe
-                             --> stopped, idle; and up by the first depth that says it is deep, and
-                                 stays so: nobody may be there whose silence could be counted
-    nothing                  --> idle, also where it has sunk meanwhile: it may be on deck; X0 where
-                                 reports show a thruster on all the same, since a program may have
-                                 ended between a word and the record of it
-    the store cannot tell    --> stopped, and up as soon as two reports in a row, over a second,
-                                 say a depth to believe beyond 2 m, and AUTO is open: on deck no
-                                 thruster turns, under water it rises
+    a mission, an ascent     --> emergency/surfacing, at once. What proves the surface counts from
+                                 6 s on. A depth proves it only once it has changed: five reports
+                                 with a thruster on show whether a newly seen depth is frozen
+    stopped, surfaced        --> the same state, everything stopped: the vehicle may be on deck
+                                 (it was up in surfaced: deeper now, it has sunk meanwhile)
+    the stick alone, a stop without its acknowledgement, or a rest in which the vehicle has sunk
+    while AUTO was closed, or may have sunk while reports had no believed depth
+                             --> idle, everything stopped. It is brought up if a depth shows that
+                                 it is deep and stays so: there may be no operator whose silence
+                                 could be counted
+    nothing                  --> idle, also if it has sunk meanwhile: it may be on deck. X0 if
+                                 reports show a thruster on: a program may have ended between a
+                                 command and its record
+    the store cannot tell    --> stopped. It is brought up as soon as two reports in a row, over a
+                                 second, show a believed depth beyond 2 m, and AUTO is open: on
+                                 deck no thruster turns, under water the vehicle rises
 
 What does not live here: who keeps what is under way (resume_marker, store).
 """
@@ -29,13 +29,13 @@ from mission.engine.rest import DEEP
 from mission.model import AUTONOMOUS, STOPPED, SURFACED, UNKNOWN, By, Restarted
 from mission.model.regions import EMERGENCY, IDLE, MANUAL
 
-STICK = "the stick, without a mission"  # under way in manual: a restart stops, and is idle
+STICK = "the stick, without a mission"  # under way in manual
 UNANSWERED = "a stop without its acknowledgement"  # in idle: thrusters may still turn
 UNSEEN = "rest in which it may have sunk"  # unseen; or seen, while AUTO was closed
 _UNSEEN_BEFORE = "rest that began without a depth to believe"  # in the store of an older program
-STOPS = (STICK, UNANSWERED, UNSEEN, _UNSEEN_BEFORE)  # under which a restart stops, and is idle
-LASTS = 1.0  # s, and two reports: a fast board says a wild depth many times
-UNWATCHED = 6.0  # s; with the surface's own 6 s a frozen depth shows
+STOPS = (STICK, UNANSWERED, UNSEEN, _UNSEEN_BEFORE)  # after these: everything stopped, in idle
+LASTS = 1.0  # s, and two reports: a fast board repeats an outlier many times
+UNWATCHED = 6.0  # s; with the surface's own 6 s this shows a frozen depth
 
 
 def under_way(core: Core) -> str:
@@ -52,11 +52,12 @@ def under_way(core: Core) -> str:
 
 
 def _may_have_sunk(core: Core) -> bool:
-    """At rest, and nobody brings it up: no depth was believed when it came to rest; or what was up
-    has reports without one (a board that is silent may be on deck, without power); or it sinks and
-    AUTO is closed, which a restart opens."""
+    """Whether the vehicle may have sunk at rest while nothing brings it up. Either no depth was
+    believed when it came to rest; or it was up, and reports have no believed depth any more (a
+    silent board may be on deck, without power); or it sinks while AUTO is closed, which a restart
+    opens."""
     rest, state = core.rest, core.vehicle_state
-    lost = state.depth is None and not state.contradicted  # what leapt may be on deck
+    lost = state.depth is None and not state.contradicted  # else it may have leapt on deck
     if not core.rested:  # no report has come since it came to rest
         return core.moved_blind
     blind = core.moved_blind if rest.is_dark else rest.was_up and core.is_heard and lost
@@ -68,7 +69,7 @@ def begin_again(core: Core, before: Restarted) -> None:
     if core.region != IDLE:
         return
     if not before.during:
-        core.stopped_at = core.now  # what turns was told so before a record of it was kept
+        core.stopped_at = core.now  # a thruster that is on was commanded, but not recorded
         return
     why = f"the program restarted during {before.during}"
     if before.during in STOPS:
@@ -93,7 +94,7 @@ def unsure(core: Core) -> bool:
 
 
 def doubt(core: Core) -> None:
-    """Looks at each report while nobody knows what was under way, until an operator decides."""
+    """Check each report while it is unknown what was under way, until an operator decides."""
     depth, since, report = core.vehicle_state.depth, core.deep_since, core.vehicle_state.telemetry
     if depth is None or since is None or report is None or not unsure(core):
         return

@@ -1,9 +1,9 @@
-"""A mission under way: which leg, since when, which round; and which edge is next.
+"""A mission under way: its active leg, since when, in which round; and the edge that is due next.
 
     handlers, innermost group first -> exits as written -> end -> for -> timeout -> else
 
-Guards are asked here, on the active leg and the groups around it, and only those; the machine is
-told only what fires. Loop counts survive an interruption, and start anew on ordinary entry.
+Only the guards of the active leg and of the groups around it are evaluated. The machine gets only
+the edge that fires. Round counts survive an interruption; an ordinary entry resets them.
 
 What does not live here: regions, limits and operators (engine), what a guard means (guards).
 """
@@ -54,15 +54,15 @@ class Run:
     def __init__(
         self, chart: Chart, now: float, ways: tuple[Way, ...], clearance: Clearance
     ) -> None:
-        """``ways``: what the vehicle's ascents try, in turn."""
+        """``ways``: the ways that the vehicle's ascents try in turn."""
         self.chart, self._ways, self._clearance = chart, ways, clearance
         self.started = now
         self.entered = now
         self.travelled = 0.0
         self.rounds: dict[str, int] = {}
-        self.sent: Setpoint | None = None  # while it ascends: none
+        self.sent: Setpoint | None = None  # None while it ascends
         self.refused = False  # the vehicle answered N to the set, or never got it
-        self.wake: float | None = None  # by the last look
+        self.wake: float | None = None  # when to look again, by the last look
         self.ascent: Ascent | None = None
         self.at_surface = False  # the ascent has ended, everything is stopped
         self._plans: dict[str, Plan] = {}
@@ -71,7 +71,7 @@ class Run:
         self._steered_by: Estimate | None = None
         self._held = Lasting()
         self._memory = Memory(chart)
-        self._spent: dict[str, str] = {}  # handlers that acted and were not seen false since
+        self._spent: dict[str, str] = {}  # handlers that acted, and whose guard was not false since
         self._taken: set[str] = set()  # handlers that acted at all
         self._blind: dict[str, float] = {}
         self._needed: tuple[str, ...] = ()
@@ -79,7 +79,7 @@ class Run:
         self._reckoned = now
 
     def clone(self) -> Self:
-        return copied(self, _plans=self._plans)  # compiled once, for all
+        return copied(self, _plans=self._plans)  # plans do not change
 
     @property
     def leaf(self) -> str:
@@ -103,7 +103,7 @@ class Run:
     def enter(
         self, path: str, entered: tuple[str, ...], vehicle_state: VehicleState, *, history: bool
     ) -> tuple[Action, ...]:
-        """What is sent on entry: the whole set, or the first of the ascent."""
+        """Enter a leg. Return what to send: its whole set, or the ascent's first command."""
         now, ascended = vehicle_state.now, self._surfaced(vehicle_state)
         before, stopped = (None, False) if history else (self.ascent, self.at_surface)
         self._plan = self._planned(path)
@@ -122,7 +122,7 @@ class Run:
                 return self._stay_up(before, stopped, why)
             self._pilot, self.sent = None, None
             if before is not None and not stopped:
-                return ()  # begun anew, W again, it would dive on
+                return ()  # a new ascent begins with W, and as built W first goes on diving
             vehicle_state.rising_since = now
             self.ascent = Ascent(
                 now,
@@ -142,24 +142,24 @@ class Run:
         return (*stop, Action(self.sent, why))
 
     def _stay_up(self, proved: Ascent, stopped: bool, why: str) -> tuple[Action, ...]:
-        """Whether one ascent follows another that ended at the surface, so that no climb is
-        needed."""
+        """Keep the ascent that has ended at the surface: no climb is needed. Return the stop, if it
+        was not sent yet."""
         self.ascent, self.at_surface = proved, True
         return () if stopped else (Action(Order.STOP, f"{why}: at the surface already"),)
 
     def again(self, why: str) -> tuple[Action, ...]:
-        """The whole set once more."""
+        """Return the whole set, to be sent again."""
         return (Action(self.sent, why),) if self.sent is not None else ()
 
     # --- looking -------------------------------------------------------------------------------
 
     def count(self, edge: Edge) -> None:
-        """Counts the rounds that an edge begins or ends, before its leg is entered."""
+        """Count the rounds that an edge begins or ends, before its leg is entered."""
         for loop in edge.loops:
             self.rounds[loop.group] = self.rounds.get(loop.group, 1) + 1 if loop.again else 1
 
     def look(self, vehicle_state: VehicleState) -> tuple[Edge, tuple[Evaluation, ...]] | None:
-        """The edge that is due, with the evaluation that decided it; sets ``wake``."""
+        """Return the edge that is due, and the evaluation that decided it; set ``wake``."""
         now, plan = vehicle_state.now, self._plan
         self.wake = None
         self._notice_blindness(vehicle_state)
@@ -208,13 +208,13 @@ class Run:
         return None
 
     def _arises(self, handler: Edge, result: bool | None) -> bool:
-        """Whether a handler's condition is new: it was seen false since the handler acted."""
+        """Whether a handler may act: its guard was false since it acted, and it leads elsewhere."""
         if result is False:
             self._spent.pop(name_of(handler), None)
         return handler.target != self.leaf and name_of(handler) not in self._spent
 
     def _act(self, handler: Edge) -> Edge:
-        """The handler's edge; the second time the way to the implicit leg."""
+        """Return the handler's edge; from the second time on, an edge to the implicit leg."""
         name = name_of(handler)
         self._spent[name] = handler.source
         if name in self._taken:
@@ -223,7 +223,7 @@ class Run:
         return handler
 
     def uncertain(self) -> Edge | None:
-        """The way of ``on uncertain`` from here; the second time to the implicit leg."""
+        """Return the edge of ``on uncertain``; from the second time on, one to the implicit leg."""
         for edge in self.chart.leaving(AUTONOMOUS):
             if edge.by is By.UNCERTAIN and edge.target != self.leaf and self.open(edge):
                 return self._act(edge)
@@ -238,7 +238,7 @@ class Run:
         return True
 
     def due(self, edge: Edge, vehicle_state: VehicleState) -> float | None:
-        """When the edge is due by its kind alone; None if nothing says so."""
+        """When the edge is due by its kind alone (for, timeout, end, else); None if it is not."""
         if edge.by is By.FOR or edge.by is By.TIMEOUT:
             lasts = self.leg.duration if edge.by is By.FOR else self.leg.timeout
             return None if lasts is None else self.entered + lasts
@@ -257,7 +257,7 @@ class Run:
         return self._pilot is not None and self._pilot.finished(self._view(vehicle_state))
 
     def _surfaced(self, vehicle_state: VehicleState) -> bool:
-        """Proved by this ascent, and seen to be so still."""
+        """Whether this ascent has proved the surface, and the vehicle is seen to be there still."""
         if self.ascent is None or may_have_sunk(vehicle_state, self.ascent.began):
             return False
         return vehicle_state.surfaced(max(self.ascent.began, vehicle_state.now - SURFACE_TIME))
@@ -269,7 +269,7 @@ class Run:
         return (elapsed, ("depth", vehicle_state.depth))
 
     def missed_depth(self, vehicle_state: VehicleState) -> str:
-        """What a dive that makes no progress has to say at its timeout, or ""."""
+        """Describe, at a timeout, a dive that did not reach its depth; "" if there is none."""
         wanted, depth = self.sent.depth if self.sent else None, vehicle_state.depth
         if wanted is None or depth is None or wanted - depth <= MISSED:
             return ""
@@ -283,11 +283,11 @@ class Run:
                 self._blind.setdefault(need, vehicle_state.now)
 
     def _needs(self) -> Iterable[str]:
-        """The readings without which the leg is blind; an ascent needs none."""
+        """The readings that the leg needs to be steered; an ascent needs none."""
         sent, needs = self.sent, self._plan.kind.needs
         if sent is None:
             return ()
-        if sent is not self._needed_by:  # the same set for minutes
+        if sent is not self._needed_by:  # once per set
             held = [n for n in ("depth", "altitude", "heading") if getattr(sent, n) is not None]
             self._needed_by, self._needed = sent, tuple(dict.fromkeys((*sorted(needs), *held)))
         return self._needed
@@ -299,7 +299,7 @@ class Run:
     # --- steering ------------------------------------------------------------------------------
 
     def steer(self, vehicle_state: VehicleState) -> tuple[Action, ...]:
-        """What the leg sends while it is active; nothing most of the time."""
+        """Return what the active leg sends now; most of the time nothing."""
         if self.ascent is not None:
             return self._climb(vehicle_state, self.ascent)
         if vehicle_state.estimate is self._steered_by:
@@ -322,7 +322,7 @@ class Run:
         return ascent.act(*vehicle_state.seen_rising)
 
     def reckon(self, vehicle_state: VehicleState) -> None:
-        """Adds a new estimate to the path over ground, and a new report to what is remembered."""
+        """Add a new estimate to the path over ground, and a new report to the memory."""
         if self._memory.watching:
             self._memory.take(self.scope(vehicle_state))
         e = vehicle_state.estimate
@@ -372,7 +372,7 @@ class Run:
         )
 
     def _wanted(self, vehicle_state: VehicleState) -> Setpoint:
-        """The pilot's set, its true heading turned into the compass's, its depth kept clear."""
+        """The pilot's set: heading turned from true to compass, depth clear of the bottom."""
         base = self._plan.base
         if self._pilot is None:
             return self._clearance.told(base, vehicle_state)
@@ -381,7 +381,7 @@ class Run:
         if Axis.HEADING not in self._plan.kind.steers:
             return wanted
         compass = None if wanted.heading is None else vehicle_state.compass(wanted.heading)
-        if compass is None:  # without a course there is no way on
+        if compass is None:  # without a heading the vehicle makes no way
             return replace(wanted, surge=0.0, heading=None)
         return replace(wanted, heading=compass)
 

@@ -1,7 +1,7 @@
-"""Since when a depth says the same to the last bit, and whether that tells anything (R7, at rest).
+"""How long a depth has repeated to the last bit, and whether that tells anything (R7, at rest).
 
-A sensor that has frozen says the same for ever. One that is coarse, or says 0 in the air, does so
-now and then, and goes on: from then on its standing tells nothing.
+A frozen sensor repeats its value forever. A coarse one, or one that reports 0 in the air, repeats a
+value now and then, and changes again: from then on its repeats tell nothing.
 
 What does not live here: what is frozen under thrust (navigation: health), what follows (core).
 """
@@ -15,9 +15,10 @@ LONG = 8.0  # s: four reports of the AUV with the same depth
 
 
 class Standing(NamedTuple):
-    """``stale_after`` s: of vehicles that report seldom it takes so long; ``since`` s: it says what
-    it says; ``stood``: at which depths it has for long, and went on: at one, and again there, or at
-    several, and it is coarse; at one other than now, and it came to life then."""
+    """``stale_after``: s, counts as long if a vehicle reports seldom. ``since``: s, since when the
+    depth repeats. ``stood``: the last two depths at which it repeated for long and then changed.
+    Two of them, or the present one among them, show a coarse sensor; a single other one may be of a
+    frozen sensor that recovered."""
 
     stale_after: float
     since: float = math.inf
@@ -25,8 +26,8 @@ class Standing(NamedTuple):
     stood: tuple[float, ...] = ()
 
     def after(self, now: float, last: float, differs: bool, depth: float) -> Self:
-        """A depth comes. ``last`` s: the one before was said, -inf: there was none; ``differs``
-        from it."""
+        """The state after one more depth. ``last``: s, when the one before was reported (-inf:
+        none was); ``differs``: from the one before."""
         if not differs:
             return self
         stood = self.stood
@@ -35,7 +36,7 @@ class Standing(NamedTuple):
         return self._replace(since=now, depth=depth, stood=stood)
 
     def tells(self, now: float) -> bool:
-        """It may have frozen."""
+        """Whether the depth may have frozen."""
         is_coarse = len(self.stood) > 1 or self.depth in self.stood
         return not is_coarse and self._is_long(now)
 

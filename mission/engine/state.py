@@ -1,4 +1,4 @@
-"""The engine's state, and the two ways to change it: put a Step on record, or move with one.
+"""The engine's state, and the two ways to record a Step: with a transition, or without one.
 
 What does not live here: what the engine can do with it (core), when that is due (engine).
 """
@@ -47,33 +47,33 @@ class EngineState:
         self.watch = LimitMonitor(
             vehicle, self.vehicle_state, in_force(vehicle, None, self.operator)
         )
-        self.run: Run | None = None  # also while it is interrupted by the stick
-        self.ascent: Ascent | None = None  # the emergency's, in emergency/surfacing alone
-        self.stop_at: float | None = None  # X0 goes out again then, unless it was acknowledged
-        self.stopped_at: float | None = None  # when a stop was acknowledged, and nothing since
+        self.run: Run | None = None  # also while the stick interrupts it
+        self.ascent: Ascent | None = None  # the emergency's, only in emergency/surfacing
+        self.stop_at: float | None = None  # X0 is sent again then, unless it was acknowledged
+        self.stopped_at: float | None = None  # when a stop still in force was acknowledged
         self.doubted_at = -math.inf  # when a report last contradicted a stop, since the last X
         self.stick = -math.inf  # the last M that was obeyed
         self.any_stick = -math.inf  # the last M of anybody, obeyed or not (R6)
         self.push_at: float | None = None  # when the push began that may take an emergency over
-        self.push_words = 0  # said in its first moments
-        self.clear_refused = -math.inf  # the last @AC that was, where it may be repeated
+        self.push_words = 0  # M in its first moments
+        self.clear_refused = -math.inf  # the last @AC that was refused where it may be repeated
         self.outputs = OutputKeeper(vehicle.outputs)
         self.rest = Rest(vehicle.limits.descent_rate)
-        self.rested = "rest"  # the kind of rest that it watches, "" where it is under way
-        self.moved_blind = False  # it last came to another state without a depth to believe
-        self._sank = False  # out of surfaced: let go, it would sink again
+        self.rested = "rest"  # the kind of rest that is watched; "" while it is under way
+        self.moved_blind = False  # no depth was believed at the last change of state
+        self._sank = False  # it sank in surfaced: let go, it would sink again
         self.let_go_at = -math.inf  # when an ascent last ended with everything stopped
-        self.hold: Hold | None = None  # in surfaced, what sank when it was let go
-        self.push: Way | None = None  # of those that hold up, which last showed a thruster on
-        self.neutral = 0  # times in succession that the thrust which holds it up showed none
+        self.hold: Hold | None = None  # in surfaced: holds up a vehicle that sank when let go
+        self.push: Way | None = None  # the way that held up when a thruster last showed on
+        self.neutral = 0  # times in succession that no thruster showed on while held up
         self.auto = True  # node AUTO
         self.emergency_since_idle = False
         self.emergency_at = -math.inf  # when the last one began
         self.ending_since: float | None = None  # the program is to end
-        self.out_of_time = False  # the last words of the program were due
-        self.deep_since: float | None = None  # while nobody knows what was under way; inf: not deep
-        self.uncertain = False  # answered; again only after it was certain in between
-        self.reason = ""  # of the state that is active
+        self.out_of_time = False  # the program's last commands were due
+        self.deep_since: float | None = None  # while unknown what was under way; inf: not deep
+        self.uncertain = False  # answered; again only after the position was certain in between
+        self.reason = ""  # of the active state
         self.event = ""
         self.actions: list[Action] = []
         self.steps: list[Step] = []
@@ -109,7 +109,7 @@ class EngineState:
 
     @property
     def leg_ascent(self) -> Ascent | None:
-        """That of the active leg, until it has reached the surface."""
+        """The ascent of the active leg, until it has reached the surface."""
         run = self.flying
         return run.ascent if run is not None and run.climbing else None
 
@@ -132,7 +132,7 @@ class EngineState:
             if isinstance(action.command, Setpoint | Order):
                 self.vehicle_state.word = action.command
         self.actions += actions
-        if moved[1] and (self.region != IDLE or IDLE in moved[1]):  # a load is no motion's end
+        if moved[1] and (self.region != IDLE or IDLE in moved[1]):  # not for a load within idle
             self.moved_blind = self.vehicle_state.depth is None
 
     def _move(

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from protocol.messages import UPWARD, Order, Setpoint, Telemetry
 
-MAINS, THRUSTERS = 2, 5  # of the actuators: the first are the mains; rudders follow
+MAINS, THRUSTERS = 2, 5  # of the actuators: mains before 2, verticals before 5, then rudders
 NEUTRAL = 0.02  # share of full thrust
 _NONE = Setpoint()
 
@@ -17,9 +17,9 @@ def turns(report: Telemetry) -> bool:
 
 
 def with_thrust(report: Telemetry, word: Setpoint | Order | None) -> Telemetry:
-    """Where a vehicle does not say what its thrusters do, they are taken to do what they were
-    told last: left and right main first, then something that turns while the vertical is held, or
-    while it surfaces."""
+    """The report with actuators. If a vehicle does not report its thrusters, they are assumed to do
+    what was last commanded: left and right main, then a vertical that is on while depth or altitude
+    is held, or while it surfaces."""
     if report.actuators is not None:
         return report
     s = UPWARD if word is Order.SURFACE else word if isinstance(word, Setpoint) else _NONE
@@ -28,6 +28,6 @@ def with_thrust(report: Telemetry, word: Setpoint | Order | None) -> Telemetry:
 
 
 def downward(report: Telemetry) -> float | None:
-    """Share of full thrust of the verticals, downward positive; None where they do not report."""
+    """Share of full thrust of the verticals, downward positive; None if they are not reported."""
     verticals = (report.actuators or ())[MAINS:THRUSTERS]
     return -sum(verticals) / len(verticals) if verticals else None

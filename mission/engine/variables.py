@@ -1,12 +1,12 @@
-"""What a guard may ask about: one row per variable, with unit, greatest age and how it is read.
+"""The variables of guards: one row each, with unit, greatest age and how it is read.
 
-A row is a name of the mission texts. ``unit`` is what a bare number means (mission.model.units);
-``source`` is the sensor, or sensors, without which the variable is never known; ``max_age`` is
-the age in s beyond which its reading is stale, and comparisons with it unknown (inf: it is
-estimated on, and its sigma grows). ``read`` gives the SI value or None, ``sigma`` one standard
-deviation, ``share`` the share of the distribution that fulfils a comparison where that is not one
-normal variable. ``heading`` is the vehicle's own compass, as a leg's ``heading`` is; ``course``
-and ``bearing`` count from true north.
+The name of a row stands in mission texts. ``unit``: of a number without one (mission.model.units).
+``source``: the sensors without which the variable is never known. ``max_age``: the age in s beyond
+which its reading is stale, and comparisons with it are unknown (inf: it is predicted, and its sigma
+grows). ``read`` returns the SI value or None, ``sigma`` one standard deviation, ``share`` the share
+of the distribution that fulfils a comparison, if the variable is not a single normal one.
+``heading`` is by the vehicle's own compass, as a leg's ``heading`` is; ``course`` and ``bearing``
+count from true north.
 
 What does not live here: how a reading is taken (readings), comparisons and Kleene's logic (guards),
 how a text is read (mission.authoring.language), whether a sensor is to be believed (navigation).
@@ -56,7 +56,7 @@ from mission.model.vehicle import REPORTS, STALE_AFTER
 from protocol.vehicles.channels import Source
 
 CLOCK = "clock"
-SOURCES = REPORTS | {CLOCK}  # what a variable may be known by
+SOURCES = REPORTS | {CLOCK}  # the sources that a variable may have
 
 _TRACK = ("heading", "position")  # what dead reckoning needs
 
@@ -67,10 +67,10 @@ def _certain(scope: Scope) -> float:
 
 @dataclass(frozen=True, slots=True)
 class Variable:
-    """``circular`` values are compared by their difference, -180..180 deg. ``timed`` ones grow by
-    1 a second, so that it can be foretold when a comparison changes. ``trial`` is a guard that the
-    campaign flies with what it waits for withheld ("": no vehicle of ours knows the variable);
-    ``draw`` makes a random one, for a mission that goes to so many m."""
+    """``circular``: compared by the difference, -180..180 deg. ``timed``: grows by 1 per second, so
+    that the time at which a comparison changes can be computed. ``trial``: a guard that the
+    campaign flies while it withholds what the guard waits for ("": no vehicle here knows the
+    variable). ``draw``: makes a random guard, for a mission that goes down to so many m."""
 
     name: str
     unit: str  # "" for a pure number; "deg" is rad inside
@@ -91,7 +91,7 @@ def _draw_range(rng: Random, deep: int) -> str:
 
 
 def _draw_warmth(n: int) -> str:
-    """Of what falls with the depth by 0.05 C a metre."""
+    """A guard for a temperature that falls with the depth by 0.05 C per metre."""
     return f"temperature < {n}" if n % 2 else f"temperature falls {0.05 * n:g} within {n} m"
 
 
@@ -168,7 +168,7 @@ VARIABLES: Table[str, Variable] = Table(_name_of, _ROWS)
 
 
 def reading_row(name: str, source: Source) -> Variable:
-    """A reading that the vehicle file names: stale like a report, and known by nothing else."""
+    """The row of a reading that the vehicle file names: as stale as the report it comes from."""
     read = source.read
     return Variable(
         name,
@@ -181,13 +181,13 @@ def reading_row(name: str, source: Source) -> Variable:
 
 
 def row_of(name: str, sources: Mapping[str, Source]) -> Variable:
-    """``sources``: those of the vehicle's readings, by name."""
+    """The row of a name. ``sources``: the sources of the vehicle file's readings, by name."""
     source = sources.get(name)
     return VARIABLES[name] if source is None else reading_row(name, source)
 
 
 def value_of(row: Variable, scope: Scope) -> Value:
-    """None while the reading is not to be believed."""
+    """The SI value of a variable; None while it is not believed."""
     if row.max_age < math.inf and _doubt(row, scope):
         return None
     value = row.read(scope)
@@ -195,7 +195,7 @@ def value_of(row: Variable, scope: Scope) -> Value:
 
 
 def _doubt(row: Variable, scope: Scope) -> str:
-    """Why the sensors behind a row are not to be believed; "" if they are."""
+    """Why the sensors behind a row are not believed; "" if they are."""
     for sensor in row.source:
         if sensor == CLOCK:
             age = math.inf if scope.telemetry is None else scope.now - scope.telemetry.t
@@ -211,7 +211,7 @@ def _doubt(row: Variable, scope: Scope) -> str:
 
 
 def reading_of(row: Variable, scope: Scope) -> Reading:
-    """For people and records; the engine itself only needs ``value_of``."""
+    """The value with sigma and age, for operators and records; the engine uses ``value_of``."""
     value = value_of(row, scope)
     age = scope.now - scope.telemetry.t if scope.telemetry else math.inf
     if value is None:

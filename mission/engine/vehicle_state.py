@@ -1,7 +1,7 @@
-"""What the engine knows of the vehicle at an instant: the last reports, and what to believe.
+"""The vehicle at an instant: its last reports and fixes, and which of their values are believed.
 
-Before navigation is loaded (numpy and filterpy take a while) a finite value is believed while it is
-fresh, a depth up to the vehicle's own: a sensor at full scale turns no thruster on deck.
+Until navigation is loaded (numpy and filterpy take a while) a fresh finite value is believed, a
+depth only down to the vehicle's own limit: a sensor at full scale starts no thruster on deck.
 
 What does not live here: the filter and the health rules (navigation), what follows from them
 (engine, limits).
@@ -33,18 +33,18 @@ from mission.navigation.fixes import FIX_DEPTH, HOME_OF, Receiver, home_of
 from protocol.messages import Aid, Fix, Order, Setpoint, Telemetry
 
 SURFACE_DEPTH = 0.5  # m (R7)
-IN_AIR = -FIX_DEPTH  # m: no zero of a sensor to go by is off by as much (R5)
+IN_AIR = -FIX_DEPTH  # m: the zero of a usable sensor is not off by as much (R5)
 SURFACE_TIME = 6.0  # s (R7) ...
-_STILL_RISES = 0.25  # m less deep than as these began: it is not at the surface yet
-_PUSHED_DOWN = 0.5  # share of full thrust, as reported: nothing stays at the surface
-_ALL = 0.75  # share of full thrust: as deep, or as high, as it goes
-_POSITION_PERIOD = 1.0  # s: the errors of one second's positions are one error
-_ESTIMATE_AGE = 2.5  # s: older, and it is reckoned on to now
-FIX_AGE = 5.0  # s: an older fix is none (R9)
-WRONG_FOR = 20.0  # s that a depth may have been wrong and was believed (R5)
-_NEAR = 1.0  # m: a report before the surface's 0.5 m, on the way up
-_TRAVELS = 1.0  # m between two means of _SWELL, by a depth whose zero is wrong: no surface
-_SWELL = 15.0  # s: waves even out
+_STILL_RISES = 0.25  # m less deep than when these began: it is not at the surface yet
+_PUSHED_DOWN = 0.5  # share of full thrust down, as reported: it would not stay at the surface
+_ALL = 0.75  # share of full thrust: asks for as deep, or as high, as the vehicle goes
+_POSITION_PERIOD = 1.0  # s: positions within it share one error
+_ESTIMATE_AGE = 2.5  # s: an older estimate is predicted to now
+FIX_AGE = 5.0  # s: an older fix does not count (R9)
+WRONG_FOR = 20.0  # s for which a wrong depth may have been believed (R5)
+_NEAR = 1.0  # m: a depth from here to the surface's 0.5 m is one on the way up
+_TRAVELS = 1.0  # m between two means over _SWELL, of a depth whose zero is wrong: not at rest
+_SWELL = 15.0  # s: waves average out
 _SAME = 1e-6  # s
 
 
@@ -60,8 +60,8 @@ class VehicleState:
         deepest: float = math.inf,
     ) -> None:
         """``grounded``: the vehicle drives on the ground, where the depth is 0. ``stale_after``:
-        s, the age at which a report is believed no more. ``rise``: m/s by buoyancy alone;
-        ``sink``: m/s at most; ``deepest``: m, its own depth."""
+        s, the greatest age of a believed report. ``rise``: m/s, by buoyancy alone; ``sink``: m/s,
+        at most; ``deepest``: m, the vehicle's own depth limit."""
         self.navigation = navigation
         self._grounded, self.stale_after = grounded, stale_after
         self._rise, self._sink, self._deepest = rise, sink, deepest
@@ -69,37 +69,37 @@ class VehicleState:
         self.telemetry: Telemetry | None = None
         self.fixes: tuple[Fix, ...] = ()  # the last five, not stale nor too deep, oldest first
         self.receiver = Receiver()
-        self._fixed_at = -math.inf  # of the last one that proves the surface
-        self._taken_at = -math.inf  # of the last one that navigation has taken
-        self._received_at = -math.inf  # of the last news that is not the vehicle's own
+        self._fixed_at = -math.inf  # of the last fix that proves the surface
+        self._taken_at = -math.inf  # of the last fix that navigation has accepted
+        self._received_at = -math.inf  # of the last new position that is not the vehicle's own
         self.estimate: Estimate | None = None
         self.attitude = Attitude()
         self._swell: tuple[tuple[float, float], ...] = ()  # s, m: of a depth whose zero is wrong
         self.believed_depth: float | None = None  # the last one that could be believed
         self._believed_at = -math.inf
-        self._deep_at = -math.inf  # of the last two reports, believed or not, where a fix is none
-        self._deep = False  # the last one
-        self.rising_since: float | None = None  # the ascent's first word, and no other leg since
+        self._deep_at = -math.inf  # of the last two reports too deep for a fix, believed or not
+        self._deep = False  # the last report was
+        self.rising_since: float | None = None  # the ascent's first command, if no leg followed it
         self.command: Setpoint | None = None  # in force at the vehicle
-        self.word: Setpoint | Order | None = None  # that was said last; None under the stick
+        self.word: Setpoint | Order | None = None  # the last one sent; None under the stick
         self._position_at = -math.inf  # of the vehicle's own positions, the last one used
         self._shallow_since: float | None = -math.inf if grounded else None
-        self._shallow_from: float | None = None  # the first such depth, until there is another
-        self._shallow_at = 0.0  # m, as that began
-        self._told: tuple[float | None, float] = None, -math.inf  # the last depth to believe; s
+        self._shallow_from: float | None = None  # the first such depth, until a different one comes
+        self._shallow_at = 0.0  # m, when that began
+        self._told: tuple[float | None, float] = None, -math.inf  # the last believed depth; s
         self._standing = Standing(stale_after)
-        self._moved_at = self._expected = -math.inf  # it changed; from then on it has to
+        self._moved_at = self._expected = -math.inf  # when it changed; from when on it has to
         self._offset: float | None = None  # compass minus true heading
-        self._healths: dict[str, Health] = {}  # asked for at this instant
+        self._healths: dict[str, Health] = {}  # looked up at this instant
         self._depth: float | None = None
         self._depth_known = False
 
     def clone(self) -> Self:
-        """Without the navigation, which has a snapshot of its own."""
+        """A copy that shares the navigation, which has a snapshot of its own."""
         return copied(self, navigation=self.navigation, _healths={}, _depth_known=False)
 
     def _forget(self) -> None:
-        """What was worked out for an instant that has passed."""
+        """Drop the values that were worked out for an earlier instant."""
         self._healths, self._depth_known = {}, False
 
     # --- in ----------------------------------------------------------------------------------
@@ -125,7 +125,7 @@ class VehicleState:
             self._take_position(report, report.position)
         depth = self.depth
         self._notice_travel(report.t, self.moving_depth if depth is None else None)
-        if self.health("depth").reason == "frozen":  # it thaws by two changes: one is a glitch
+        if self.health("depth").reason == "frozen":  # until two changes: one may be a glitch
             self._expected, self._told = math.inf, (None, -math.inf)
         before = self._told[0] if self.lives else None
         lives = depth is not None and self._has_changed(depth)
@@ -146,7 +146,7 @@ class VehicleState:
     def _notice_surface(
         self, now: float, depth: float | None, before: float | None, silent: bool
     ) -> None:
-        """``depth`` as at the surface, else None; the one ``before``, if it was believed."""
+        """Follow since when ``depth`` is shallow (None: it is not); ``before``: the last depth."""
         if depth is None:
             self._shallow_since = None
         elif self._shallow_since is None or silent:
@@ -154,23 +154,23 @@ class VehicleState:
             self._shallow_since, self._shallow_from = now, None if near else depth
             self._shallow_at = depth
         elif depth == self._shallow_from:
-            self._shallow_since = now  # what it may have died with proves nothing
+            self._shallow_since = now  # the sensor may have died with it: it proves nothing
         else:
             self._shallow_from = None
             if depth < self._shallow_at - _STILL_RISES:
                 self._shallow_since, self._shallow_at = now, depth
 
     def _was_silent(self, report: Telemetry) -> bool:
-        """What it said before is too long ago to go on from (R7)."""
+        """Whether the report before is too old to continue from (R7)."""
         before = self.telemetry
         return before is not None and report.t - before.t > self.stale_after
 
     def expect_change(self) -> None:
-        """Of a depth that nobody saw before: one that stands still proves no surface."""
+        """Require a change of the depth before it proves the surface: it may have frozen unseen."""
         self._expected, self._told = self.now, (None, -math.inf)
 
     def _has_changed(self, depth: float) -> bool:
-        """Notes a depth to believe; whether it lives. Another one behind a silence may not."""
+        """Note a believed depth; return ``lives``. A change across a silence does not count."""
         before, at = self._told
         if depth != before is not None and self.now - at <= self.stale_after:
             self._moved_at = self.now
@@ -181,32 +181,32 @@ class VehicleState:
 
     @property
     def lives(self) -> bool:
-        """The depth has changed since the program and the ascent began. One that stands may have
-        frozen while nothing moved: some seconds of thrust do not tell yet."""
+        """Whether the depth has changed since the program and the ascent began. If not, it may have
+        frozen while nothing moved; a few seconds of thrust do not show that yet."""
         begun, moved = self.rising_since, self._moved_at
         return self._grounded or (moved >= self._expected and (begun is None or moved > begun))
 
     @property
     def repeats(self) -> bool:
-        """The depth may have frozen at rest, where nothing turns that would tell."""
+        """Whether the depth may have frozen at rest, where no thruster is on that would show it."""
         return self._standing.tells(self.now) and not self._grounded and self.depth is not None
 
     def _asked(self) -> float | None:
-        """The depth that the set in force asks for, m."""
+        """The depth that the set in force asks for, m; infinite for nearly full vertical thrust."""
         s = self.command
         if s is None or s.heave is None:
             return None if s is None else s.depth
         return math.copysign(math.inf, s.heave) if abs(s.heave) >= _ALL else None
 
     def _take_position(self, report: Telemetry, place: tuple[float, float]) -> None:
-        """The vehicle's own, once a second: under water too, so it proves no surface. Where the
-        depth has proved that (R7), it counts as a fix."""
+        """Take the vehicle's own position, once a second. It comes under water too, so it proves no
+        surface. Once the depth has proved the surface (R7), it counts as a fix."""
         if report.t - self._position_at < _POSITION_PERIOD:
             return
         self._position_at = report.t
         own = Fix(report.t, *place, accuracy=math.inf)
         shallow = self._shallow_since
-        received = report.t - self._received_at <= FIX_AGE  # then that is where it is (R9)
+        received = report.t - self._received_at <= FIX_AGE  # the receiver's counts then (R9)
         if shallow is not None and report.t >= shallow + SURFACE_TIME and not received:
             self.take_fix(own)
         elif self.navigation:
@@ -231,15 +231,15 @@ class VehicleState:
                 self._taken_at = fix.t
 
     def take_aid(self, aid: Aid) -> None:
-        """It helps the estimate, and is no fix: it proves no surface, and starts no mission."""
+        """An aid helps the estimate. It is no fix: it proves no surface and starts no mission."""
         if self.navigation:
             self.navigation.aid(aid)
             self.estimate = self.navigation.estimate(aid.t)
 
     def _proves_surface(self, fix: Fix) -> bool:
-        """R7: a place that is news, unless a depth that is believed says otherwise. Where none is
-        believed, or it has not changed yet, some seconds of fixes as at the surface while no depth
-        goes up or down, its zero right or wrong."""
+        """R7: a new position proves it, unless a believed depth contradicts it. If no depth is
+        believed, or it has not changed yet, some seconds of fixes as at the surface prove it while
+        no depth, its zero right or wrong, goes up or down."""
         depth = self.depth
         if depth is not None and (depth >= FIX_DEPTH or self.lives):
             return self.receiver.fresh and depth < FIX_DEPTH
@@ -254,8 +254,8 @@ class VehicleState:
             self._swell = (*kept, (now, depth))
 
     def _stands(self, now: float) -> bool:
-        """Nothing goes up or down, slowly or in waves, by a depth whose zero is wrong, if reports
-        tell one."""
+        """Whether the depth whose zero is wrong goes neither up nor down, waves averaged out. True
+        if reports have no such depth."""
         if not self._swell or now - self._swell[-1][0] > _SWELL:
             return True
         if self._swell[0][0] > now - 2.0 * _SWELL + GAP:
@@ -265,15 +265,16 @@ class VehicleState:
         return abs(sum(newer) / len(newer) - sum(older) / len(older)) < _TRAVELS
 
     def _may_be_up(self, now: float) -> bool:
-        """An ascent has had the time that buoyancy takes from the deepest it can have begun at."""
+        """Whether the ascent has lasted as long as the rise by buoyancy from its deepest start."""
         begun = self.rising_since
         if begun is None or self._rise <= 0.0:
             return begun is not None
         return now - max(begun, self._believed_at) >= self._deepest_at(begun) / self._rise
 
     def _deepest_at(self, begun: float) -> float:
-        """m: it may have sunk, but never beyond its own depth, since what was last believed was
-        true, or since that changed; where nothing was believed yet, its own depth."""
+        """The deepest that the vehicle can have been at ``begun``, m. It may have sunk since the
+        last believed depth was true, or since that changed, but not beyond its own limit. If no
+        depth was believed yet: its own limit."""
         depth = self.believed_depth
         if depth is None:
             return self._deepest
@@ -306,7 +307,7 @@ class VehicleState:
 
     @property
     def depth(self) -> float | None:
-        """As reported; None while it is not to be believed."""
+        """The reported depth, m; None while it is not believed."""
         if self._grounded:
             return 0.0
         if not self._depth_known:
@@ -317,19 +318,19 @@ class VehicleState:
 
     @property
     def moving_depth(self) -> float | None:
-        """What its change can be taken from: the depth, or one whose zero alone is contradicted."""
+        """The depth, m, if its changes are believed: also one whose zero alone is contradicted."""
         if self.depth is not None or self.telemetry is None or not self.health("depth").moves:
             return self.depth
         return self.telemetry.depth
 
     @property
     def overturned(self) -> bool:
-        """Upside down, by three reports that agree."""
+        """Whether the vehicle is upside down, by three reports that agree."""
         return self.attitude.overturned
 
     @property
     def seen_rising(self) -> tuple[float, float | None, bool, bool]:
-        """For an ascent: s; the depth for its change; whether it is upside down; may be, unseen."""
+        """For an ascent: now, s; ``moving_depth``; whether upside down; whether it may be."""
         told, depth, attitude = self.telemetry, self.moving_depth, self.attitude
         silent = told is None or self.now - told.t > self.stale_after
         over, untold = self.overturned, silent or (attitude.frozen and depth is None)
@@ -338,40 +339,40 @@ class VehicleState:
 
     @property
     def submerged(self) -> bool:
-        """As far as is known: the last depth that could be believed, and no fix since that proves
-        the surface."""
+        """Whether the vehicle is under water as far as is known: by the last believed depth, if no
+        fix since has proved the surface."""
         if self.believed_depth is None or self.believed_depth < SURFACE_DEPTH:
             return False
         return self._fixed_at <= self._believed_at
 
     @property
     def contradicted(self) -> str:
-        """Why the depth is not believed, where what else is known contradicts it; else ""."""
+        """Why other evidence contradicts the depth; "" if none does."""
         reason = "" if self._grounded else self.health("depth").reason
         return reason if reason.startswith(CONTRADICTED) else ""
 
     def believable(self, need: str) -> bool:
-        """A sensor, or ``position``: estimated from anything at all, fixes or dead reckoning."""
+        """Whether a sensor is believed, or ``position`` estimated, by fixes or dead reckoning."""
         if need == "position":
             return self.estimate is not None and self.estimate.located
         return self.health(need).valid
 
     def surfaced(self, since: float) -> bool:
-        """R7: 6 s of shallow depth, or a fix that proves it; either observed after ``since``."""
+        """Whether the surface is proved after ``since``: by 6 s of shallow depth, or a fix (R7)."""
         due = self.surface_due(since)
         shallow = due is not None and self.now >= due and self.depth is not None
         return self.fixed(since) or (shallow and self._told_again())
 
     def _told_again(self) -> bool:
-        """The shallow depth, by another report, which differs."""
+        """Whether a shallow depth came that differs from the first one."""
         return self._shallow_from is None
 
     def fixed(self, since: float) -> bool:
-        """By a fix that proves the surface."""
+        """Whether a fix after ``since`` has proved the surface."""
         return self._fixed_at > since
 
     def located(self, since: float) -> bool:
-        """By a fix that navigation has taken for true."""
+        """Whether navigation has accepted a fix after ``since``."""
         return self._taken_at > since
 
     def surface_due(self, since: float) -> float | None:
@@ -391,9 +392,9 @@ class VehicleState:
         return frame.to_local(math.radians(place.latitude_deg), math.radians(place.longitude_deg))
 
     def compass(self, heading: float) -> float | None:
-        """The heading as this vehicle's compass says it: it holds headings by its compass."""
+        """A true heading, rad, as this vehicle's compass shows it; None: not known."""
         return None if self._offset is None else (heading + self._offset) % (2.0 * math.pi)
 
     def home_from_fixes(self) -> Position | None:
-        """That of the last fixes that count for it (R9), None where they do not agree."""
+        """Home by the last fixes that count for it (R9); None if they do not agree."""
         return home_of(self.fixes)

@@ -1,10 +1,10 @@
-"""What the limits look at: what must be remembered between reports.
+"""The quantities that limits check, and that must be remembered between reports.
 
-    descent    a depth that grows faster than the vehicle may dive, or while no command asked for it
-    steering   a heading that runs away from the one that was asked for
+    descent    a depth that grows faster than the vehicle may dive, or while no command asks for it
+    steering   a heading that moves away from the one that was asked for
     progress   a depth that was asked for and does not come nearer
-    course     where it goes over ground against where the bow points
-    closing    the readings that the Pi itself holds an axis by: without them it says neutral
+    course     the course over ground against the heading
+    closing    the readings by which the Pi itself holds an axis: without them it sends neutral
 
 What does not live here: the rows (limits), their counters (monitor), responses (engine).
 """
@@ -27,25 +27,25 @@ from mission.navigation.fixes import FIX_DEPTH, RECENT
 from mission.navigation.health import doubted
 from protocol.messages import Fix, Setpoint, Telemetry
 
-_ALLOWANCE = 2.0  # m of momentum, waves and noise that are no descent
+_ALLOWANCE = 2.0  # m by momentum, waves and noise that are no descent
 _SINKING = 0.1  # m/s: less is no descent, ...
-_SLOWLY = 20.0  # s: ... but to be deeper for longer than a wave, under a set that holds no depth
-_RATE_TIME = 1.0  # s: over less, the noise of two depths is no rate
+_SLOWLY = 20.0  # s: ... unless it is deeper for longer than a wave, and the set holds no depth
+_RATE_TIME = 1.0  # s: over a shorter time two depths give noise, not a rate
 _BEYOND = 0.5  # m deeper than a dive at the greatest rate: less is noise
 _STALE = 10.0  # s: two depths farther apart give no rate
 _TURNING_TIME = 10.0  # s of growing heading error (design: limits)
 _GROWTH, _LARGE, _NOISE = (math.radians(a) for a in (20.0, 30.0, 10.0))
 _ROUND = math.radians(720.0)  # no turn to a heading goes round twice
 _NEW_HEADING = math.radians(15.0)
-_STUCK_TIME = 120.0  # s without coming nearer: a dive at a tenth of its pace does
-_NEARER, _OFF = 0.5, 2.0  # m: of that time, and what is not there yet
+_STUCK_TIME = 120.0  # s without coming nearer: even a dive at a tenth of its rate comes nearer
+_NEARER, _OFF = 0.5, 2.0  # m: nearer in that time; from the depth asked for, and not there yet
 _APART = math.radians(60.0)
-_UNDER_WAY = 0.4  # m/s through the water and over ground: a weaker one is no course
+_UNDER_WAY = 0.4  # m/s through the water and over ground: slower, the course tells nothing
 _SETTLE = 0.5  # s from an ACK to thrusters that turn
-_OWN_END = 8.0  # s without a depth in which a leg that holds one is left
-_BACK = 3.0  # s from thrust that is said to a report that shows it, and one more
-_LOST_WITHIN = 60.0  # s: one that is not answered again and again is said every few seconds
-_ROLLS_OUT, _STANDS = 2.0, 0.05  # s, m/s: of what drives, from a stop on
+_OWN_END = 8.0  # s without a depth, within which a leg that holds one ends by itself
+_BACK = 3.0  # s from a thrust command to a report that shows it, and one more report
+_LOST_WITHIN = 60.0  # s: a command that is never answered is sent again every few seconds
+_ROLLS_OUT, _STANDS = 2.0, 0.05  # s to come to rest, and m/s at rest: a vehicle that drives
 
 
 class Descent:
@@ -64,13 +64,13 @@ class Descent:
         return copied(self)
 
     def excuse(self) -> None:
-        """What it goes down until the next depth that counts is no descent, told or not."""
+        """Do not count depth gained until the next depth that counts, reported or not."""
         self._shallowest = None
 
     def take(
         self, t: float, depth: float | None, asked: bool, fastest: float, driven: bool = False
     ) -> None:
-        """One report; ``asked``: for a descent, ``driven``: by a set that holds no depth."""
+        """Take a report. ``asked``: a descent is asked for; ``driven``: the set holds no depth."""
         if depth is None:
             self.unexplained = None
             return
@@ -79,7 +79,7 @@ class Descent:
             self.unexplained = None
             return
         self._t, self._depth = t, depth
-        seen = max(depth, before)  # one alone that is shallower may be wild
+        seen = max(depth, before)  # a single shallower one may be an outlier
         if asked or self._shallowest is None:
             asked, self._shallowest = True, seen
         self._shallowest = min(self._shallowest, seen)
@@ -97,7 +97,7 @@ class Descent:
             self.words = f"sinking at {rate:.2f} m/s at {depth:.1f} m{asked_words}"
 
     def _lasts(self, t: float, deeper: bool) -> bool:
-        """Whether it has been deeper for longer than a wave, without a break: a slow descent."""
+        """Whether the vehicle was deeper for longer than a wave, without a break: it descends."""
         begun = t if self._deeper_since is None else self._deeper_since
         self._deeper_since = begun if deeper else None
         return t - begun >= _SLOWLY
@@ -111,7 +111,7 @@ class Steering:
     def __init__(self) -> None:
         self._wanted: float | None = None
         self._since, self._from, self._peak = 0.0, 0.0, 0.0
-        self._off = self._turned = 0.0  # of what is wanted, and in all since it is: right positive
+        self._off = self._turned = 0.0  # rad to starboard: from the one wanted; in all since then
         self.astray: bool | None = None
         self.words = ""
 
@@ -172,8 +172,8 @@ class Progress:
             self.words = f"for {_STUCK_TIME:g} s no nearer to {wanted:g} m, at {depth:.1f} m"
 
     def _goes_on(self, depth: float, wanted: float) -> bool:
-        """Another depth is asked for, near the one before and the same way off (above an uneven
-        bottom each few seconds): the time goes on."""
+        """Whether the time continues with a newly asked depth: it is near the one before, and in
+        the same direction. Above an uneven bottom a new depth comes every few seconds."""
         before = self._wanted
         if before is None or before == wanted or abs(wanted - before) > _OFF:
             return False
@@ -181,7 +181,7 @@ class Progress:
 
 
 class Closing:
-    """``_since``: from when on an axis' reading has come without a gap."""
+    """The readings by which the Pi holds axes. ``_since``: s, since when each has no gap."""
 
     __slots__ = ("_last", "_since")
 
@@ -201,7 +201,8 @@ class Closing:
                 self._last[name] = report.t
 
     def acts(self, t: float, sent: Setpoint) -> bool:
-        """Thrusters can turn by what the Pi said before a report of then."""
+        """Whether the Pi, which holds axes by its readings, can have thrusters on in a report of
+        ``t`` (s)."""
         held = [name for name in CLOSED if getattr(sent, name) is not None]
         return all(
             t - self._last.get(name, -math.inf) <= CLOSED_S and t >= self._since[name] + _SETTLE
@@ -225,16 +226,16 @@ class Watch:
         self.vehicle, self.vehicle_state, self.bounds = vehicle, vehicle_state, bounds
         self.fences: tuple[Fence, ...] = ()  # of the mission under way
         self.sent: Setpoint | None = None
-        self.accepted_at: float | None = None  # of the set in force
+        self.accepted_at: float | None = None  # when the set in force was acknowledged
         self.started: float | None = None  # the mission's clock
-        self.heard = -math.inf  # the last report, or when its age began anew
-        self.topside_silence: float | None = None  # s that may pass; None: as long as it likes
+        self.heard = -math.inf  # the last report, or when its age was reset
+        self.topside_silence: float | None = None  # s allowed; None: no limit
         self.topside_heard = -math.inf
         self.lost = 0
-        self.lost_words: dict[bytes, tuple[int, float]] = {}  # since it was answered; s, the last
+        self.lost_words: dict[bytes, tuple[int, float]] = {}  # times since an answer; s, the last
         self.blind_since: float | None = None
-        self.led_down = -math.inf  # without a depth to believe, by a set or the stick: when last
-        self._dark_since = math.inf  # without one
+        self.led_down = -math.inf  # when a set or the stick last led down without a believed depth
+        self._dark_since = math.inf  # since when no depth is believed
         self.repeated = False  # after a brown-out the set was sent again
         self.descent, self.steering, self.progress = Descent(), Steering(), Progress()
         self.closing = Closing()
@@ -243,8 +244,8 @@ class Watch:
         return copied(self, vehicle_state=vehicle_state)
 
     def begin(self, now: float) -> None:
-        """A mission starts, or goes on: ages and counts begin anew. What has led down since a depth
-        was believed stands: the start demands one, and what goes on does not."""
+        """Reset ages and counts: a mission starts or resumes. ``led_down`` stays: a start requires
+        a believed depth, but to resume does not."""
         self.heard, self.lost, self.lost_words, self.blind_since = now, 0, {}, None
         self.topside_heard = now
         self.repeated = False
@@ -255,8 +256,9 @@ class Watch:
         self.vehicle_state.command = self.vehicle_state.word = setpoint
 
     def count(self, outcome: Outcome) -> None:
-        """Of the legs' sets each word counts by itself, too: another's answer is none to it. So it
-        does of one that a newer set has replaced meanwhile: what steers has one each second."""
+        """Count lost frames: in succession, and each command of the legs' sets by itself, since an
+        answer to another command is none to it. A command counts even if a newer set has replaced
+        its set: a leg that steers has a new set each second."""
         lost, word = outcome.result is Result.LOST, outcome.frame[:4]
         self.lost = self.lost + 1 if lost else 0
         if isinstance(outcome.command, Setpoint):
@@ -267,7 +269,7 @@ class Watch:
 
     @property
     def unanswered(self) -> int:
-        """Commands in succession, or of one word of the sets, without an answer (R8)."""
+        """How many commands in succession, or times one command of the sets, had no answer (R8)."""
         return max(self.lost, *(times for times, _ in self.lost_words.values()), 0)
 
     def take_report(self) -> None:
@@ -276,14 +278,14 @@ class Watch:
         self.heard = report.t
         self.closing.take(report)
         depth, fastest = self.vehicle_state.depth, self.vehicle.limits.descent_rate
-        driven = self.sent is not None and self.sent.depth is None  # one that is held: Progress
+        driven = self.sent is not None and self.sent.depth is None  # else Progress watches it
         self.descent.take(report.t, depth, self._dive_asked(), fastest, driven)
         heading = report.heading if self.vehicle_state.health("heading").valid else None
         self.progress.take(report.t, depth, self.sent.depth if self.sent else None)
         self.steering.take(report.t, heading, self.sent.heading if self.sent else None)
 
     def look_for_depth(self) -> None:
-        """Note since when the vehicle is, or may be, submerged without a depth to believe."""
+        """Note since when the vehicle is, or may be, submerged without a believed depth."""
         vehicle_state = self.vehicle_state
         if vehicle_state.depth is not None:
             self.blind_since, self.led_down, self._dark_since = None, -math.inf, math.inf
@@ -297,9 +299,10 @@ class Watch:
             self.blind_since = vehicle_state.now
 
     def _may_be_under(self) -> bool:
-        """Though the last depth that was believed was the surface's: it was led down since, and no
-        fix has proved the surface behind it (a leg that holds a depth has an end of its own, but
-        others may follow it), or fixes came in this mission and have ended."""
+        """Whether the vehicle may be under water although the last believed depth was at the
+        surface. Either it was led down since, and no fix has proved the surface after that. (A leg
+        that holds a depth ends by itself, but others may follow it.) Or fixes came in this mission
+        and have ended."""
         sent, now = self.sent, self.vehicle_state.now
         led = self.led_down > -math.inf and not self.vehicle_state.fixed(self.led_down)
         own_end = sent is not None and sent.depth is not None
@@ -320,7 +323,7 @@ class Watch:
         return leads_down(sent)
 
     def course_apart(self) -> bool | None:
-        """At the surface and under way ahead, the course more than 60 deg off the heading."""
+        """Whether, at the surface and under way ahead, course and heading are over 60 deg apart."""
         fix: Fix | None = self.vehicle_state.fix if self.vehicle_state.receiver.fresh else None
         e, depth = self.vehicle_state.estimate, self.vehicle_state.depth
         if fix is None or fix.course is None or fix.speed is None or e is None or e.heading is None:
@@ -331,11 +334,12 @@ class Watch:
         if ahead < _UNDER_WAY or fix.speed < _UNDER_WAY:
             return False
         if depth >= FIX_DEPTH:
-            return None  # the fix says otherwise: a wave
+            return None  # a fix came all the same: the depth may be a wave's
         return abs(wrap(fix.course - e.heading)) > _APART
 
     def turning(self, since: float) -> bool:
-        """A report from well after then says that a thruster is on, or that what drives has way."""
+        """Whether a report long enough after ``since`` shows a thruster on; for a vehicle that
+        drives, whether it still moves."""
         report = self.vehicle_state.telemetry
         if report is None or report.t < since + _SETTLE:
             return False
@@ -344,16 +348,16 @@ class Watch:
         return turns(report)
 
     def neutral(self, since: float) -> bool | None:
-        """Whether no thruster is on, by a report from well after then; two can have said so. None
-        where none tells."""
+        """Whether no thruster is on, by a report long enough after ``since`` for two to have shown
+        it. None if no report shows it."""
         report = self.vehicle_state.telemetry
         if report is None or not report.actuators or report.t < since + _BACK:
             return None
         return all(abs(a) <= NEUTRAL for a in report.actuators[:THRUSTERS])
 
     def powerless(self) -> bool | None:
-        """Thrust is set and acknowledged, and every thruster is neutral. None, too, where the Pi
-        has said neutral by itself."""
+        """Whether thrust is set and acknowledged, but every thruster is neutral. None if this is
+        unknown, or if the Pi has sent neutral by itself."""
         report, sent = self.vehicle_state.telemetry, self.sent
         if report is None or not report.actuators or sent is None or self.accepted_at is None:
             return None
@@ -367,13 +371,13 @@ class Watch:
         return True
 
     def _closes(self, t: float, sent: Setpoint) -> bool:
-        """Where the Pi holds the axes of the set: it has not said neutral by itself."""
+        """Whether the Pi has not sent neutral by itself; it may where it holds the set's axes."""
         loop = self.vehicle.outer_loop
         return loop is None or not loop.confirmed or self.closing.acts(t, sent)
 
 
 def leads_down(sent: Setpoint | None) -> bool:
-    """A vehicle that is at the surface, to below it."""
+    """Whether the set leads a vehicle at the surface under water."""
     if sent is None:
         return False
     below = sent.depth is not None and sent.depth > SURFACE_DEPTH

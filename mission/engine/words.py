@@ -1,4 +1,4 @@
-"""What stands in Steps and journals: events, commands and legs, in words.
+"""Texts of events, commands and legs, for Steps and journals.
 
 What does not live here: the reasons themselves; each verb gives its own.
 """
@@ -38,7 +38,7 @@ _EVENTS: Mapping[type, str] = MappingProxyType(
 
 
 def event_of(inputs: Sequence[object]) -> str:
-    """What made a step happen."""
+    """Name the inputs that caused a step."""
     if len(inputs) == 1:
         return _event(inputs[0])
     return ", ".join(map(_event, inputs)) or "timer"
@@ -73,5 +73,5 @@ def in_words(command: Setpoint | Order | Outputs) -> str:
 
 
 def short(path: str) -> str:
-    """As people call a leg: without the region."""
+    """The path of a leg without its region."""
     return path.partition("/")[2] or path

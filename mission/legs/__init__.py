@@ -1,7 +1,7 @@
 """One file per leg type, and the table: a new leg type is one file and one row here.
 
-``LEGS.register(TYPE)`` adds one from elsewhere: texts, schema, manual, check, pictures, engine and
-campaign go by the table.
+``LEGS.register(TYPE)`` adds one from another package. Texts, schema, manual, check, pictures,
+engine and campaign use the table.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ def _kind_of(row: LegType) -> type[LegKind]:
 
 
 def _fault(row: LegType, others: Iterable[LegType]) -> str:
-    """One word means one thing, whichever leg has it."""
+    """Why a row cannot be added: a word has to mean the same in every leg. "" if it can."""
     known = {clause.word: clause for other in others for clause in other.clauses}
     if row.name in {*known, *(other.name for other in others)}:
         return f"{row.name} is a word already"

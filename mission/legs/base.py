@@ -5,8 +5,8 @@
     LegType --begin(kind, set, view)--> Pilot --setpoint(view)--> Setpoint
                                               --finished(view)--> the edge END
 
-A pilot sees a View and nothing else: no engine, no clock. It changes only by being asked, with the
-view of that instant, and can be cloned, so that the engine's snapshot holds it.
+A pilot gets a View and nothing else: no engine, no clock. It changes only when it is called, with
+the view of that instant. It can be cloned, so that the engine's snapshot contains it.
 
 What does not live here: when a new setpoint is worth a frame (engine), R7's ascent (ascent).
 """
@@ -25,13 +25,13 @@ from mission.legs.words import NO_HEAD, Head, LegClause, Misfit
 from mission.model import Axis, Estimate, Leg, LegKind, Place
 from protocol.messages import Setpoint
 
-WAY = "heading 0 gear 8 depth 4"  # in trials: a set that any leg may hold which steers nothing
+WAY = "heading 0 gear 8 depth 4"  # in trials: a set for any leg that steers no axis itself
 
 
 @dataclass(frozen=True, slots=True)
 class View:
-    """What a leg may know at ``now``. ``depth`` is None while it is not to be believed;
-    ``place`` gives a place's point, None where it cannot be known."""
+    """What a leg may know at ``now``. ``depth``: None while it is not believed; ``place`` returns a
+    place's point, None if it is not known."""
 
     now: float
     estimate: Estimate | None
@@ -58,21 +58,21 @@ class Pilot(Protocol):
     def finished(self, view: View) -> bool: ...
 
     def track(self, view: View) -> Track | None:
-        """Where it stands against the leg's line; None where there is none, or not known."""
+        """The position against the leg's line; None if there is no line, or it is not known."""
         ...
 
     def clone(self) -> Self: ...
 
 
 class Author(Protocol):
-    """Who draws a random mission: words that its legs are made of, none of them the leg's own."""
+    """Draws the words of a random mission's legs, but not those that a leg type itself defines."""
 
     @property
     def rng(self) -> Random: ...
 
     def course(self) -> str: ...  # a heading, and a gear ahead
 
-    def way(self) -> str: ...  # a depth, or nothing: as before
+    def way(self) -> str: ...  # a depth, or nothing: it stays as before
 
     def lean(self) -> str: ...  # a pitch or roll, where the vehicle has them, or nothing
 
@@ -82,40 +82,40 @@ class Author(Protocol):
 
     def guard(self) -> str: ...
 
-    def timeout(self, most: int = 300) -> str: ...  # s; it may say else, too
+    def timeout(self, most: int = 300) -> str: ...  # s; sometimes with an else
 
 
 @dataclass(frozen=True, slots=True)
 class LegType:
-    """One row: all that there is to know of a leg type. ``kind`` in a callable's arguments is one
-    of the row's own.
+    """One row: everything about a leg type. A callable's argument ``kind`` is of the row's own
+    ``kind``.
 
-    In texts, ``name`` is its word, with a ``head`` behind it and ``clauses`` in canonical order.
-    ``contradiction`` looks at the measures that were given (SI). ``until_fix`` is the field that
-    the words ``until fix`` set; "" where they are none of its words. ``keeps``: it sets nothing.
+    In texts, ``name`` is its word, followed by ``head``, then by ``clauses`` in canonical order.
+    ``contradiction`` checks the measures that were given (SI). ``until_fix``: the field that the
+    words ``until fix`` set; "" if the type does not have these words. ``keeps``: it sets nothing.
 
-    ``steers``: axes the pilot sets itself. ``needs``: sensors beyond those of its setpoints.
-    ``gives``: guard variables that only such a leg has. ``ends``: it can be done by itself (END).
+    ``steers``: axes that the pilot sets itself. ``needs``: sensors beyond those of its setpoints.
+    ``gives``: guard variables that only such a leg has. ``ends``: it can end by itself (END).
     ``makes_way``: without surge it goes nowhere. ``ascends``: it is R7's ascent, which the engine
-    steers. ``makes_safe``: outputs that it does not name are safe in it. ``depths`` lists those it
-    may steer to, ``fault`` says what is wrong with its figures.
+    steers. ``makes_safe``: outputs that it does not name are made safe in it. ``depths``: those it
+    may steer to. ``fault``: what is wrong with its parameters.
 
-    For the check, ``places`` are those that it names; ``corners`` those between which it stays
-    while it is steered, m from home, of the named ones in m (none are named: none are asked for;
-    ``straight``: those themselves; none: it may go anywhere, as fast as it goes);
-    ``room`` the m that it takes about where it was entered; ``within`` its arrival radius, m.
-    ``ends_at_last``: it is done at the last of its corners, not at any. ``encloses``: the places
-    that it names are the corners of an area. ``pattern``: it is flown for what is seen along its
-    rows, and may say what it is to ``achieve``; of the points that it names, and where it is
-    entered.
+    For the check, ``places`` returns the places that it names, ``corners`` the points between which
+    it stays while it is steered, m from home, from the named places in m. ``corners`` is not called
+    if it names none; ``straight`` returns the places themselves; an empty result means that it may
+    go anywhere, as fast as it goes. ``room``: m that it takes around where it was entered.
+    ``within``: its arrival radius, m. ``ends_at_last``: it ends at the last of its corners, not at
+    any. ``encloses``: its places are the corners of an area. ``pattern``: it is flown for what is
+    seen along its rows, and may have aims (``achieve``); the arguments are the points that it names
+    and the point where it is entered.
 
-    On pictures, ``shown`` is what it does beside holding its set and ``done`` how it ended.
+    On pictures, ``shown`` tells what it does beside holding its set, and ``done`` how it ended.
 
-    ``parts`` are the legs that one of it consists of, in turn (none: it is one itself); they stand
-    in a group of its name. ``parts_fault`` says what keeps a leg from being parted.
+    ``parts``: the legs that one such leg consists of, in turn, in a group of its name (empty: it is
+    one leg itself). ``parts_fault``: why a leg cannot be divided.
 
-    ``draws`` make random ones, each as often as it stands there; ``trials`` are bodies of missions
-    for the campaign to fly with what they wait for withheld.
+    ``draws``: make random legs, each as often as it is listed. ``trials``: bodies of missions that
+    the campaign flies while it withholds what they wait for.
     """
 
     name: str
@@ -170,5 +170,5 @@ def straight(kind: LegKind, named: tuple[Point, ...]) -> tuple[Point, ...]:
 
 
 def wrap(angle: float) -> float:
-    """Into [-pi, pi]."""
+    """The angle in [-pi, pi]."""
     return math.remainder(angle, 2.0 * math.pi)

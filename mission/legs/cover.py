@@ -1,13 +1,13 @@
-"""Rows over an area: a polygon, in strips along its narrowest side or as asked for.
+"""Rows over an area: a polygon, along the edge across which it is narrowest, or along a bearing.
 
-The rows begin at the end that is nearest to the place that is named first. Bearing, number and
-order follow from the polygon alone, so that check, engine and pictures find the same ones. Where
-it is concave a row has several pieces; what leads from one to the next may lead outside, within the
-hull of the corners.
+The rows begin at the end nearest to the first named place. Bearing, number and order follow from
+the polygon alone, so that check, engine and pictures find the same rows. If the polygon is concave,
+a row has several pieces; the way from one to the next may lead outside, but stays within the hull
+of the corners.
 
-With ``resurface`` or ``unsure`` it parts into runs with fixes between them (resurfacing.py). How
-many rows there are is then taken from a plane about the first corner; the last run takes what is
-left.
+With ``resurface`` or ``unsure`` it is divided into runs with fixes between them (resurfacing.py).
+The number of rows is then taken from a plane about the first corner; the last run takes all rows
+that are left.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ from mission.model import HOME, Leg, LegKind, Local, Place, Position
 from mission.model.shown import bearing, number
 from protocol.messages import Setpoint
 
-NARROWEST = -1.0  # as a bearing: none is said
+NARROWEST = -1.0  # as a bearing: none is given
 MOST = 300  # rows of one leg
 _BEARING = replace(OF_ROWS, usual=NARROWEST, silent=True)
 _SPACING = replace(SPACING, usual=0.0, silent=True)
@@ -47,7 +47,7 @@ _ONLY = Measure(
 @dataclass(frozen=True, slots=True)
 class Cover(LegKind):
     """Rows over the polygon ``area``, ``spacing`` m apart at most, along ``bearing`` (rad;
-    NARROWEST: along the narrowest side)."""
+    NARROWEST: along the edge across which the polygon is narrowest)."""
 
     area: tuple[Place, ...]
     bearing: float
@@ -56,18 +56,18 @@ class Cover(LegKind):
     within: float  # m, arrival radius
     skip: float = 0.0  # rows before the first of these
     only: float = 0.0  # rows of these; 0: all
-    swath: float = 0.0  # m seen, half to either side; 0: not said
+    swath: float = 0.0  # m seen, half to either side; 0: not given
     resurface: float = 0.0  # rows between fixes; 0: none
     unsure: float = 0.0  # m of uncertainty; 0: none
 
     @property
     def apart(self) -> float:
-        """m between its rows, at most."""
+        """The greatest distance between its rows, m."""
         return self.spacing or self.swath * (1.0 - self.overlap)
 
 
 def _pattern(kind: Cover, named: tuple[Point, ...], here: Point) -> Pattern:
-    """The whole polygon is the area; ``here`` decides nothing."""
+    """The whole polygon is the area; ``here`` is not used."""
     (north, east), along = named[0], _along(kind, named)
     c, s = math.cos(along), math.sin(along)
     outline = [
@@ -109,8 +109,8 @@ def _begin(kind: Cover, base: Setpoint, view: View) -> Waypoints:
 
 
 def plane(area: Sequence[Place]) -> tuple[Point, ...]:
-    """m, of places that are all from home, or all by degrees: those from the first of them. None
-    of a mixture, whose distances only home tells."""
+    """The points, m, of places that are all relative to home, or all in degrees: those relative to
+    the first of them. Empty for a mixture, whose distances depend on where home is."""
     places = [Local(0.0, 0.0) if place == HOME else place for place in area]
     local = [(p.north, p.east) for p in places if isinstance(p, Local)]
     degrees = [p for p in places if isinstance(p, Position)]
@@ -130,7 +130,7 @@ def plane(area: Sequence[Place]) -> tuple[Point, ...]:
 
 
 def _degree(latitude: float) -> Point:
-    """m of a degree of latitude and of longitude at a latitude (rad), on WGS 84.
+    """The length, m, of a degree of latitude and of longitude at a latitude (rad), on WGS 84.
 
     Source: NGA, American Practical Navigator (Bowditch), length of a degree.
     """
@@ -195,7 +195,7 @@ def _parts(leg: Leg) -> tuple[Leg, ...]:
 
 
 def _runs(kind: Cover, each: int) -> Iterator[Run]:
-    """Their share of the time by the length of their rows, and the way from one to the next."""
+    """The runs. The share of each follows from the length of its rows and of the ways between."""
     estimated = _estimated(kind)
     rows = estimated.rows
     whole = _way(rows, estimated.spacing)

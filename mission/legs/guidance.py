@@ -16,12 +16,12 @@ from mission.legs.base import Point, Track, wrap
 from mission.legs.words import Choice
 from mission.model import Axis, Estimate
 
-# Of every leg that steers by the estimate: what it sets itself, what it must know for that, and
+# For every leg that steers by the estimate: the axes that it sets, the readings that it needs, and
 # the guard variables that only such a leg has.
 STEERS = frozenset({Axis.HEADING})
 NEEDS = frozenset({"position", "heading"})
 GIVES = frozenset({"distance", "cross_track"})
-# Which way round, of those that turn.
+# To which side, for the legs that turn.
 SIDE = Choice(
     "side",
     MappingProxyType({"port": -1, "starboard": 1}),
@@ -29,12 +29,12 @@ SIDE = Choice(
     "of the next rows; of a circle: starboard is clockwise",
 )
 
-LOOKAHEAD = 12.0  # m; some turning radii, well above the vehicle's 2 m
+LOOKAHEAD = 12.0  # m; several times the vehicle's turning radius of 2 m
 _MOST_CRAB = math.radians(60.0)
 
 
 def along(start: Point, end: Point, here: Point) -> Track:
-    """Where ``here`` stands against the line; past its end the line is the way to the end."""
+    """The position of ``here`` against the line; past its end the distance is negative."""
     bearing = math.atan2(end[1] - start[1], end[0] - start[0])
     to_end = (end[0] - here[0], end[1] - here[1])
     distance = math.hypot(*to_end)
@@ -52,7 +52,8 @@ def course_on(track: Track) -> float:
 
 
 def heading_for(course: float, estimate: Estimate) -> float:
-    """In [0, 2 pi). A current that cannot be overcome is met as well as can be."""
+    """The heading, in [0, 2 pi), for a course in the estimated current. If the current is too
+    strong, the heading is the one that holds against it best."""
     speed = max(estimate.speed, 0.1)
     across = estimate.current_east * math.cos(course) - estimate.current_north * math.sin(course)
     crab = math.asin(max(-1.0, min(1.0, across / speed)))

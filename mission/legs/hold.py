@@ -1,6 +1,6 @@
 """The leg that holds its settings and nothing else: heading 90 ZAF8 until ... timeout ...
 
-It is what a leg does that says nothing else; its word may be left out.
+A leg that names no type is a hold: the word may be left out.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
-"""A circle about a place: ends by its time or an exit, never by itself.
+"""A circle about a place; it ends by its time or an exit, never by itself.
 
-course = bearing from the centre + side * (90 deg + atan((distance - radius) / lookahead))
+course = bearing from the centre + side * (90 deg + atan((distance - radius) / half lookahead))
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ _RADIUS = Measure("radius", "m", 1, 5000, "of the circle")
 
 @dataclass(frozen=True, slots=True)
 class Loiter(LegKind):
-    """A circle of ``radius`` about a place (None: where entered), ``side`` +1 clockwise."""
+    """A circle of ``radius`` m about a place (None: where entered); ``side``: +1 clockwise."""
 
     place: Place | None
     radius: float
@@ -53,7 +53,7 @@ class Circle:
         return False
 
     def track(self, view: View) -> Track | None:
-        """``distance`` to the centre, ``cross_track`` outside the circle."""
+        """``distance`` is to the centre; ``cross_track`` is positive outside the circle."""
         if view.estimate is None or self._centre is None:
             return None
         north = view.estimate.north - self._centre[0]

@@ -1,8 +1,8 @@
-"""Rows over an area, whoever says them: what is flown, what is to be seen, and in which frame.
+"""Rows over an area, of any leg type: what is flown, what is to be seen, and in which frame.
 
     framed    m along the first row from the origin, m across it to the side of the next ones
 
-What does not live here: how a leg says its rows (rows.py, cover.py), who flies them (waypoints.py).
+What does not live here: how a leg gives its rows (rows.py, cover.py), their pilot (waypoints.py).
 """
 
 from __future__ import annotations
@@ -16,10 +16,10 @@ Span = tuple[float, float]
 
 @dataclass(frozen=True, slots=True)
 class Pattern:
-    """``rows`` have their beginning and end, m from home, in the order in which they are flown.
+    """``rows``: the beginning and end of each, m from home, in the order in which they are flown.
 
-    The area reaches ``along`` and ``across`` in the frame; ``whole``: it is all of that, else the
-    polygon ``outline`` (m from home), which is also what a picture shows.
+    The area extends over ``along`` and ``across`` in the frame. ``whole``: it is all of this, else
+    the polygon ``outline`` (m from home). Pictures show ``outline`` in both cases.
     """
 
     origin: Point
@@ -27,7 +27,7 @@ class Pattern:
     side: int  # +1 starboard, -1 port
     rows: tuple[tuple[Point, Point], ...]
     spacing: float
-    swath: float  # m seen, half to either side; 0: not said
+    swath: float  # m seen, half to either side; 0: not given
     within: float
     along: Span
     across: Span
@@ -36,7 +36,7 @@ class Pattern:
 
     @property
     def points(self) -> tuple[Point, ...]:
-        """In the order they are visited."""
+        """The ends of the rows, in the order in which they are visited."""
         return tuple(point for row in self.rows for point in row)
 
     def framed(self, point: Point) -> Point:

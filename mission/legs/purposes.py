@@ -1,8 +1,8 @@
-"""Which legs are flown for something (`achieve`), as the check and the flights judge them.
+"""Which legs have aims (`achieve`), by which the check and the flights judge them.
 
-rows        all that is said of them: by the leg, its groups, the mission, the innermost first
-an ascent   nothing
-any other   the position alone, where whoever says it has no rows to say it of
+rows        all aims of the leg, its groups and the mission, the innermost first
+an ascent   none
+any other   the position alone, if the leg, group or mission that states it has no rows
 """
 
 from __future__ import annotations
@@ -16,11 +16,11 @@ from mission.model import Group, Leg, Mission, Node, aims_of
 
 _Scope = TypeVar("_Scope", Mission, Group)
 
-OF_ANY = "position"  # the aim that legs without rows have, too
+OF_ANY = "position"  # the only aim of legs without rows
 
 
 def purposes(mission: Mission) -> Iterator[tuple[str, Leg, dict[str, float]]]:
-    """Path, leg and aims of each leg that has some, in the mission's order."""
+    """Path, leg and aims of each leg that has aims, in the mission's order."""
     others = _not_of_rows(mission)
     each = zip(
         aims_of(mission.body, mission.achieve), aims_of(others.body, others.achieve), strict=True
@@ -43,6 +43,6 @@ def has_rows(body: Iterable[Node]) -> bool:
 
 
 def _not_of_rows(scope: _Scope) -> _Scope:
-    """Without what is said of rows."""
+    """The scope without the aims that are stated for rows."""
     body = tuple(_not_of_rows(n) if isinstance(n, Group) else n for n in scope.body)
     return replace(scope, body=body, achieve=() if has_rows(scope.body) else scope.achieve)

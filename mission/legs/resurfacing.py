@@ -1,10 +1,10 @@
-"""Rows with fixes at the surface between them: a leg of rows in runs, a way up before each next.
+"""Rows with fixes at the surface between them: the leg is divided into runs, with ascents between.
 
     resurface N   a fix after every N rows
-    unsure M      single rows, each followed by a look at the estimate's uncertainty, and a fix
-                  where that is more than M m
+    unsure M      single rows; after each, the estimate's uncertainty is checked, and a fix follows
+                  if it is more than M m
 
-The estimate learns the current from each two fixes, and the next rows are steered with it.
+The estimate learns the current from every two fixes, and the next rows are steered with it.
 """
 
 from __future__ import annotations
@@ -33,15 +33,15 @@ UNSURE = Measure(
     "15",
     silent=True,
 )
-FIX_S = 300.0  # that a way up may take until there is a fix; then the mission's on timeout
-_SINCE_BEGIN = frozenset({"elapsed", "travelled"})  # what a guard counts from a leg's begin on
-_LOOK_S = 4.0  # two reports: so long the estimate is looked at between two rows
+FIX_S = 300.0  # from ascent to fix at most; then the leg's else, or the mission's on timeout
+_SINCE_BEGIN = frozenset({"elapsed", "travelled"})  # variables that count from a leg's beginning
+_LOOK_S = 4.0  # two reports: how long the uncertainty is checked between two rows
 
 
 @dataclass(frozen=True, slots=True)
 class Run:
-    """Rows between two looks: the ``first`` of them counted in the leg from 0, what is flown, its
-    share of the leg's timeout, and the direction of its last row (rad)."""
+    """The rows between two looks. ``first``: the number of its first row in the leg, from 0.
+    ``kind``: what is flown. ``share``: of the leg's timeout. ``heading``: of its last row, rad."""
 
     first: int
     kind: LegKind
@@ -50,7 +50,7 @@ class Run:
 
 
 def parted(leg: Leg, runs: Iterable[Run], unsure: float) -> tuple[Leg, ...]:
-    """``unsure``: m of uncertainty, 0 for a fix in any case."""
+    """The legs of a divided leg. ``unsure``: m of uncertainty; 0: a fix in any case."""
     runs = tuple(runs)
     parts = [_flown(leg, runs[0])]
     for before, run in pairwise(runs):
@@ -68,7 +68,7 @@ def _name(row: int) -> str:
 
 
 def _between(leg: Leg, row: int, heading: float, unsure: float) -> Iterator[Leg]:
-    """Before ``row``: a fix, or a look at whether one is needed."""
+    """The legs before ``row``: a fix, or first a look at whether one is needed."""
     if unsure > 0.0:
         known = Comparison("uncertainty", "<=", unsure, where=leg.where)
         kept = (*leg.settings, Setting("heading", heading, leg.where))
@@ -80,7 +80,7 @@ def _between(leg: Leg, row: int, heading: float, unsure: float) -> Iterator[Leg]
 
 
 def parting_fault(leg: Leg, resurface: float, unsure: float) -> str:
-    """What keeps rows from coming up between; "" if nothing does."""
+    """Why the rows of this leg cannot resurface; "" if they can."""
     said = {setting.word for setting in leg.settings}
     if resurface and unsure:
         return "resurface and unsure are two rules for one thing: keep one"
@@ -95,7 +95,7 @@ def parting_fault(leg: Leg, resurface: float, unsure: float) -> str:
 
 
 def _anew(term: Term) -> str:
-    """What a guard would ask of a run where it is written of the leg; "" if nothing."""
+    """Why a guard's term would count in each run, not in the whole leg; "" if it would not."""
     if isinstance(term, Comparison):
         if term.variable not in _SINCE_BEGIN:
             return ""

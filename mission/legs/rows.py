@@ -1,8 +1,8 @@
-"""A lawnmower area: parallel rows up and down, the way to its start first.
+"""A lawnmower area: parallel rows up and down, after the way to its start.
 
 start -> end of row 1, across by the spacing, back along row 2, across, ...
 
-With ``resurface`` or ``unsure`` it parts into runs with fixes between them (resurfacing.py).
+With ``resurface`` or ``unsure`` it is divided into runs with fixes between them (resurfacing.py).
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ class Rows(LegKind):
     count: int
     side: int
     within: float  # m, arrival radius
-    swath: float = 0.0  # m seen, half to either side; 0: not said
+    swath: float = 0.0  # m seen, half to either side; 0: not given
     resurface: float = 0.0  # rows between fixes; 0: none
     unsure: float = 0.0  # m of uncertainty; 0: none
     skip: float = 0.0  # rows of the area before the first of these
@@ -68,7 +68,7 @@ def corners(kind: Rows, start: Point) -> tuple[Point, ...]:
 
 
 def _pattern(kind: Rows, named: tuple[Point, ...], here: Point) -> Pattern:
-    """The area reaches beyond its outer rows by half of what is seen, at most half the spacing."""
+    """The area extends beyond its outer rows by half the swath, at most by half the spacing."""
     start = named[0] if named else here
     points = corners(kind, start)
     spacing = kind.spacing if kind.count > 1 else max(kind.spacing, kind.swath)
@@ -110,7 +110,7 @@ def _fault(kind: Rows) -> str:
 
 
 def _area(kind: Rows, named: tuple[Point, ...]) -> tuple[Point, ...]:
-    """The four corners of the area, which lies at the place that is named."""
+    """The four corners of the area, which starts at the named place."""
     (north, east) = named[0]
     c, s = math.cos(kind.bearing), math.sin(kind.bearing)
     first = kind.spacing * kind.skip * kind.side

@@ -1,9 +1,9 @@
-"""A polygon in strips: its rows, what of each is inside, and their order.
+"""Divides a polygon into strips: its rows, the parts of each that are inside, and their order.
 
-    strips    as many as are needed to be no farther apart than is asked for, all alike
-    pieces    of the line in the middle of a strip what is inside; several where it is concave
-    cells     pieces that follow each other from strip to strip without a fork; each is flown up
-              and down, then the one that begins nearest
+    strips    as many as are needed for the spacing that is asked for, all equally wide
+    pieces    the parts of a strip's middle line that are inside; several if the polygon is concave
+    cells     pieces that follow each other from strip to strip without a fork; each cell is flown
+              up and down, then the one that begins nearest
 
 All in a frame: m along the rows, and m across them. Source of the cells: H. Choset, Coverage of
 known spaces: the boustrophedon cellular decomposition, Autonomous Robots 9 (2000).
@@ -18,8 +18,8 @@ from collections.abc import Iterator, Sequence
 from mission.legs.pattern import Point, Span
 
 Piece = tuple[Point, Point]  # from its lesser to its greater end
-_SHORTEST = 1.0  # m: what is shorter is no row
-_ALIKE = 1e-3  # share by which widths may differ and still be the same
+_SHORTEST = 1.0  # m: a shorter piece is no row
+_ALIKE = 1e-3  # share by which widths may differ and still count as equal
 
 
 def edges(outline: Sequence[Point]) -> Iterator[Piece]:
@@ -27,7 +27,7 @@ def edges(outline: Sequence[Point]) -> Iterator[Piece]:
 
 
 def narrowest(outline: Sequence[Point]) -> float:
-    """rad: of its edges' directions that across which it is narrowest, the first of such."""
+    """The direction, rad, of the (first) edge across which the polygon is narrowest."""
     best, least = 0.0, math.inf
     for a, b in edges(outline):
         bearing = math.atan2(b[1] - a[1], b[0] - a[0])
@@ -38,7 +38,7 @@ def narrowest(outline: Sequence[Point]) -> float:
 
 
 def across(outline: Sequence[Point], bearing: float) -> list[float]:
-    """m to starboard of a bearing, of each corner."""
+    """The distance of each corner to starboard of a bearing, m."""
     c, s = math.cos(bearing), math.sin(bearing)
     return [east * c - north * s for north, east in outline]
 
@@ -48,12 +48,14 @@ def _extent(values: Sequence[float]) -> Span:
 
 
 def strips(width: float, spacing: float) -> int:
-    """As many as leave none wider than ``spacing``, but for what no place is known to."""
+    """How many strips leave none wider than ``spacing``; a share ``_ALIKE`` more is allowed, since
+    no position is known so well."""
     return max(1, math.ceil(width / spacing * (1.0 - _ALIKE)))
 
 
 def pieces(outline: Sequence[Point], low: float, wide: float, count: int) -> list[list[Piece]]:
-    """By strip, each ``wide``, the first from ``low`` on; ``outline`` in the frame."""
+    """The pieces of each strip. Strips are ``wide`` m wide, the first begins at ``low`` m;
+    ``outline`` is in the frame."""
     found = []
     for strip in range(count):
         middle = low + (strip + 0.5) * wide
@@ -68,7 +70,7 @@ def pieces(outline: Sequence[Point], low: float, wide: float, count: int) -> lis
 
 
 def flown(rows: Sequence[Sequence[Piece]], start: Point) -> list[Piece]:
-    """All pieces in their order and direction, from the end that is nearest to ``start`` on."""
+    """All pieces in the order and direction of flight, from the end nearest to ``start`` on."""
     cells, way = _cells(rows), []
     while cells:
         ways = [(cell, list(_up_and_down(cell, way_in))) for cell in cells for way_in in _WAYS]
@@ -79,7 +81,7 @@ def flown(rows: Sequence[Sequence[Piece]], start: Point) -> list[Piece]:
     return way
 
 
-# from its last row; from that row's greater end
+# into a cell: whether from its last row; whether from that row's greater end
 _WAYS = ((False, False), (False, True), (True, False), (True, True))
 
 

@@ -1,5 +1,5 @@
-"""The leg that ascends as R7 proves it; the ascent itself is mission.engine.ascent's, shared with
-the emergency. It holds every axis itself, and leaves the vehicle with everything stopped."""
+"""The leg that ascends and proves the surface (R7). The ascent itself is mission.engine.ascent,
+shared with the emergency. The leg holds every axis itself, and ends with everything stopped."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from mission.model.plain import UNSAID
 
 @dataclass(frozen=True, slots=True)
 class Surface(LegKind):
-    """Ascend as R7 proves it; ends at the surface, or with a fix there (``until_fix``).
-    ``keeps_outputs``: it is the way up of another leg, whose outputs go on."""
+    """Ascend; end at the proved surface (R7), or with a fix there (``until_fix``).
+    ``keeps_outputs``: it is the ascent within another leg, whose outputs stay."""
 
     until_fix: bool = False
     keeps_outputs: bool = field(default=False, metadata=UNSAID)

@@ -1,4 +1,4 @@
-"""The leg that holds what is set already, for a time or until an exit: wait 30s [until ...]."""
+"""The leg that keeps the settings in force, for a time or until an exit: wait 30s [until ...]."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from mission.model import LegKind
 
 @dataclass(frozen=True, slots=True)
 class Wait(LegKind):
-    """Holds whatever is set for ``Leg.duration``, or until an exit."""
+    """Keeps the settings in force for ``Leg.duration``, or until an exit."""
 
 
 def _draw(author: Author) -> str:

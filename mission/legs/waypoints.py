@@ -1,7 +1,7 @@
-"""Along a list of points by line of sight: the pilot of goto, follow and rows.
+"""Steers along a list of points by line of sight: the pilot of goto, follow, rows and cover.
 
-The first line starts where the leg was entered. A point is reached within the radius; one in
-between also once it is passed abeam, so that a missed point does not send the vehicle back.
+The first line starts where the leg was entered. A point is reached within the radius. Any but the
+last also counts once it is passed abeam, so that a missed point does not send the vehicle back.
 
 What does not live here: which points (the legs), the heading along a line (guidance).
 """
@@ -21,8 +21,8 @@ WITHIN = Measure("within", "m", 0.5, 1000, "how near counts as there; 10 m unles
 
 
 class Waypoints:
-    """A point None cannot be known, and is not steered to. The first line starts at the first
-    position that is known."""
+    """``points``: None for one that is not known; the vehicle is not steered to it. The first line
+    starts at the first known position."""
 
     __slots__ = ("_base", "_heading", "_index", "_points", "_start", "_within")
 

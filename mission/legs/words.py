@@ -4,7 +4,7 @@
     head    Measure     Measure     Choice     Spot       Measure
 
 Each is one parameter of the leg's kind. Grammar, YAML keys, JSON Schema, canonical text and manual
-are made of these (mission.authoring.language).
+are generated from these (mission.authoring.language).
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 
 class Shape(enum.Enum):
-    """What follows the word of a kind."""
+    """What follows the word of a leg type."""
 
     NOTHING = ""
     TIME = "a time"  # how long it lasts: the leg's duration
@@ -28,7 +28,7 @@ class Shape(enum.Enum):
 
 @dataclass(frozen=True, slots=True)
 class Head:
-    """What stands behind the leg's word, and the ``field`` of its kind that gets it."""
+    """What follows the leg's word, and the ``field`` of its kind that gets it."""
 
     shape: Shape = Shape.NOTHING
     field: str = ""
@@ -39,11 +39,11 @@ NO_HEAD = Head()
 
 @dataclass(frozen=True, slots=True)
 class Measure:
-    """A size, ``low``..``high`` in ``unit``, for the field of the same name, in SI.
+    """A quantity, ``low``..``high`` in ``unit``, for the field of the same name, in SI.
 
-    ``usual`` is what it is where the author says nothing; None: it must be said, for instance as
-    ``example``. ``circular``: a direction, written as a compass says it. ``silent``: texts do not
-    write it where it is as usual.
+    ``usual``: its value if the author does not give it; None: it must be given, for instance as
+    ``example``. ``circular``: a direction, written as on a compass. ``silent``: texts leave it out
+    if it has its usual value.
     """
 
     word: str
@@ -71,7 +71,7 @@ class Measure:
 
 @dataclass(frozen=True, slots=True)
 class Spot:
-    """A place that may be said; else the field is None, where the leg is entered."""
+    """A place that may be given; else the field is None: where the leg is entered."""
 
     word: str
     field: str
@@ -82,7 +82,7 @@ class Spot:
 
 @dataclass(frozen=True, slots=True)
 class Choice:
-    """One of some words, each with what it puts into the field of the clause's name."""
+    """One of several words, each with its value for the field of the clause's name."""
 
     word: str
     values: Mapping[str, int]
@@ -99,14 +99,14 @@ LegClause = Measure | Spot | Choice
 
 
 def meaning(clause: LegClause) -> LegClause:
-    """What a word says whichever leg has it; whether it must be said there is each leg's own."""
+    """What a word means in every leg; whether it must be given there, each leg type decides."""
     if isinstance(clause, Measure):
         return replace(clause, usual=None, silent=False)
     return clause
 
 
 class Misfit(NamedTuple):
-    """Measures that contradict each other: the code, the word to blame, and what to write."""
+    """Measures that contradict each other: the code, the word at fault, and what to write."""
 
     code: str
     word: str

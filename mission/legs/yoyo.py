@@ -1,7 +1,7 @@
 """Down and up between two depths while the other axes are held; done after its cycles.
 
-A vehicle whose depth hold only pushes down reaches the shallow depth by buoyancy: a turn is due
-half a metre before the depth that was asked for, or it might hover there for ever.
+A vehicle whose depth hold only pushes down reaches the shallow depth by buoyancy. So a turn is due
+half a metre before the depth that was asked for; otherwise it might hover there forever.
 """
 
 from __future__ import annotations
