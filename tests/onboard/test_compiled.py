@@ -16,9 +16,10 @@ import sys
 import threading
 import typing
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any
 
 import pytest
+from builds import PACKAGES, PYTHON, ROOT, TREE, is_made
 from click.testing import CliRunner
 from served import PATIENCE
 
@@ -29,34 +30,15 @@ from mission.onboard.runtime.operator_channels import operator_channels
 from mission.verification.exhaustive.fork import Fork
 from protocol.tolerances import Tolerances
 
-ROOT = Path(__file__).resolve().parents[2]
-TREE = ROOT / "build" / "compiled"
-PYTHON = TREE / ".venv" / "bin" / "python"
-PACKAGES = ("mission", "links", "protocol")
-
-
-def sources(tree: Path) -> dict[Path, bytes]:
-    return {p.relative_to(tree): p.read_bytes() for n in PACKAGES for p in (tree / n).rglob("*.py")}
-
 
 def both(
     *arguments: str, folder: Path | None = None, of: tuple[str, ...] = ("-m", "mission")
 ) -> tuple[str, str]:
     """What the program prints and, with a folder, the digests of the files that it leaves there;
     ``of``: what Python is told to run."""
-    if not PYTHON.exists():
-        missing("no compiled build: make compiled")
-    if sources(TREE) != sources(ROOT):
-        missing("the compiled build is of other sources: make compiled")
+    is_made()
     words = (*of, *arguments)
     return _run(sys.executable, ROOT, words, folder), _run(PYTHON, TREE, words, folder)
-
-
-def missing(why: str) -> NoReturn:
-    """A reason to look away, unless somebody has asked for both builds."""
-    if os.environ.get("AUVMISSION_COMPILED"):
-        pytest.fail(why)
-    pytest.skip(why)
 
 
 def _run(python: str | Path, tree: Path, arguments: tuple[str, ...], folder: Path | None) -> str:
