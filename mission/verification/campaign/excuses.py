@@ -159,8 +159,8 @@ def _is_slight(fault: FaultEvent) -> bool:
 def blind_from_its_begin(settings: Settings, events: Sequence[Event]) -> bool:
     """Whether the vehicle sank while its depth was garbage from the program's first report on.
 
-    So it is where the garbage came after verticals that contradicted the depth (R5). At rest the
-    program then knows no depth that the vehicle sank from: it may be on deck (R7).
+    It also holds where the garbage came after verticals that contradicted the depth (R5). At rest
+    the program then knows no depth that the vehicle sank from: it may be on deck (R7).
     """
     begun = max((e.t for e in events if isinstance(e, Done) and e.act is Act.BOOT), default=0.0)
     vain = [f.begin for f in settings.faults if f.name.startswith("verticals_")]
@@ -264,7 +264,7 @@ def lied(settings: Settings, end: float) -> float:
 
 
 def auto_closed(events: Sequence[Event]) -> Iterator[tuple[float, float]]:
-    """Yield when node AUTO is closed: an acknowledged close, until it is opened or a restart."""
+    """Yield the times of a closed node AUTO: from an acknowledged close to an open or a restart."""
     since: float | None = None
     for i, event in enumerate(events):
         found = AUTO_NODE.search(event.data) if isinstance(event, Said) else None
