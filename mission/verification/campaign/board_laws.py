@@ -32,7 +32,7 @@ from mission.verification.rig.trace import Done, Event, Said
 from protocol.codec import CannotEncode
 from protocol.messages import Order, Setpoint
 
-STICK_S = 0.6  # R6
+STICK_S = 0.6  # s (R14)
 G3_S = 1.1  # s that an unfinished frame may hold back the next one
 RIGHTED_S = 10.0  # s until the program knows that the vehicle is upright again
 SLACK_S = 0.03  # s: the frames that are still on the line

@@ -246,7 +246,7 @@ def net_buoyancy(story: Story, begin: float, end: float) -> float:
 
 
 def _liftable(story: Story, begin: float, end: float) -> bool:
-    """Whether thrust (upright) or buoyancy (upside down) can lift it."""
+    """Whether thrust (upright) or buoyancy (upside down) can lift the vehicle."""
     net = net_buoyancy(story, begin, end)
     if story.faulty(("capsized", "listing"), begin, end):
         return net > _SPARE

@@ -163,7 +163,7 @@ def fly_numbered(
 
 
 def fly_near(plan: Plan) -> tuple[FlightResult, dict[str, float]]:
-    """Flies a plan; returns the result and how near the flight came to breaking each law."""
+    """Fly a plan; return the result and how near the flight came to breaking each law."""
     vehicle = plan.vehicle
     trial = fly_plan(plan, vehicle)
     result = result_of(plan, trial, vehicle, plan.profile)

@@ -43,7 +43,7 @@ HELD = 3.0  # m: depth of a body that its thrusters hold up
 SANK = 0.6  # m: 1 m by a sensor that may be 0.4 m off (R7, at rest)
 UNDER, ENDED = 0.3, 6  # m, s: an antenna under water, fixes missing for so long
 UNSEEN = 60.0  # s after letting go in which the end of the fixes counts (R7, at rest)
-RECEIVER_OFF = b"BDGPS C"  # to its node
+RECEIVER_OFF = b"BDGPS C"  # to the receiver's node
 TOLD = 10  # s until the end of the fixes shows it (R7, at rest)
 _SPOIL = (
     *("attitude_", "roll_", "capsized", "listing"),
@@ -155,6 +155,6 @@ def _sank(trial: Trace, more: float) -> bool:
             all(p.depth > UNDER for p in seen[-ENDED:]),
         )
         sank = sank or (again and (deep or under or event.t - off < UNSEEN))
-        sank = sank and state in (SURFACED, SURFACING)  # until the stick or a clear forgets it
+        sank = sank and state in (SURFACED, SURFACING)  # until the stick or a clear ends it
         before = state
     return sank

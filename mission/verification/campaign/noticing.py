@@ -81,7 +81,7 @@ def flights_of(seed: int, known: tuple[Subject, ...]) -> Flights:
 
 
 def notice(rule: str, flights: Flights, most: int, *, searched: bool = False) -> Noticed:
-    """Flies until a flight notices the broken rule, at most ``most``."""
+    """Fly until a flight notices the broken rule, at most ``most`` flights."""
     row = BROKEN[rule]
     names = _searched(rule, flights) if searched else map(str, range(most))
     for number, name in zip(range(1, most + 1), names, strict=False):

@@ -1,4 +1,4 @@
-"""Orders must leave in time: X and W within 100 ms of being known (R7), a set within 5 s (R12).
+"""Orders must leave in time: X and W within 100 ms of being known (R7), a set within 5 s (R7).
 
 The laws look for X and W in all bytes that came while the program ran, whatever stands around them.
 In an ascent, a W leaves only once in the turn of another way, and none after the ascent has ended.

@@ -54,7 +54,7 @@ from protocol.messages import FrameFault, Order
 from protocol.topside import TopsideCodec
 
 _CLOCK = 0.6  # s
-_STOP_AGAIN = 1.6  # s: every 0.5 s, behind three tries of another word
+_STOP_AGAIN = 1.6  # s: every 0.5 s, after three tries of another command
 _TURNS = 1  # report with a thruster on: X0 leaves after it
 _UPWARD = 2.0  # s after a restart
 _DEEP_ENOUGH, _STAYS = 1.5, 100.0  # m, s: an ascent from the depth of the scenes
