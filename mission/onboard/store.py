@@ -169,8 +169,8 @@ class DiskStore:
         self._content = replace(self._content, limits=limits)
 
     def keep_under_way(self, what: str) -> None:
-        """Keep it even on a full disk, in the room of the reserve file: otherwise a restart on deck
-        would surface a vehicle whose mission is over."""
+        """Write it even on a full disk, after deleting the reserve file: otherwise a restart on
+        deck would surface a vehicle whose mission is over."""
         try:
             self.write("under-way", what)
         except StoreError:

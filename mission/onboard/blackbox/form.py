@@ -6,10 +6,10 @@
 Each kind of record is a topic, and its payload is the data. Publish time is the engine's time of
 the record, log time the wall time when it was made, both in ns; log times never go back.
 
-``check`` stands in the sequence number, which MCAP leaves free. It is the CRC-32 of the data, begun
-with channel and time, plus the record's number times a constant. So a reader detects blocks that a
-power cut damaged, and records that are missing between two whole ones. In the first form (profile
-``auvmission``) every number was 0, and the payloads were different (first_form).
+``check`` stands in the sequence number, which MCAP leaves free. It is the CRC-32 of the data, with
+channel and time as initial value, plus the record's number times a constant. So a reader detects
+blocks that a power cut damaged, and records that are missing between two whole ones. In the first
+form (profile ``auvmission``) every number was 0, and the payloads were different (first_form).
 
 Any MCAP tool reads the file; the footer names no summary, so readers scan. The library writes head
 and foot. This module packs the messages itself, because that is most of the cost.

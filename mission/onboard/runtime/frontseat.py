@@ -5,7 +5,7 @@
     3  relays (M, R, @DA/@DS) -----+        one Z outstanding; 300 ms, 3 tries (R1)
 
 The smaller number has the line first: an order, retries of an unacknowledged frame, both frames of
-an ascent (X0 and U12), a leg's set. Relays have the time that is left. They wait while an
+an ascent (X0 and U12), a leg's set. Relays get the time that is left. They wait while an
 acknowledgement is pending, because a board that is busy with a relay may miss the retries. Without
 acknowledgements one relay leaves every 2 s. Under the stick there are no sets; M has their rank.
 

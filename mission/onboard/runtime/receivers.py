@@ -5,10 +5,10 @@
            of the first are one position to the bit, those of the second are not
 
 If both send fixes that are further apart than their noise explains, nobody knows which receiver is
-right. Then the accuracy of a fix that counts is raised to the distance between the two, for the nth
-such fix in a row to n times that distance, and its speed and course are dropped. The error is a
-bias, not noise: 1 + 1/4 + 1/9 + ... stays below 1.65, so all these fixes together weigh no more
-than two fixes, and the innovation gate judges them (R9).
+right. Then the standard deviation of a fix that counts is the distance between the two, of the nth
+such fix in a row n times that distance, and its speed and course are dropped. The error is a bias,
+not noise: 1 + 1/4 + 1/9 + ... stays below 1.65, so all these fixes together weigh no more than two
+fixes, and the innovation gate judges them (R9).
 
 Each receiver is judged by all its own fixes, counted or not. A position from before a dive that a
 receiver repeats does not count; of the second receiver, only new positions count. Without a second
@@ -106,7 +106,7 @@ class Receivers:
         return failed is (link == GPS2) or (link == GPS and not beside)
 
     def _doubted(self, link: str, fix: Fix) -> Fix:
-        """The fix, less accurate if it is too far from the other receiver's; more so each time."""
+        """The fix, more uncertain if it is too far from the other receiver's; more so each time."""
         self._apart = apart = self._between(link, fix)
         self._doubts = self._doubts + 1 if apart else 0
         if not apart:

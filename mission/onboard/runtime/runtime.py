@@ -12,7 +12,7 @@ so before the Tx that reports it is returned, but for resume markers: a timer wr
 emergencies, stick and stops after what is due on the line, so that no disk delays a STOP.
 
 What does not live here: rules of the states (engine), of the line (frontseat), of the operator
-(topside), files and sockets (store, links).
+(operator_server), files and sockets (store, links).
 """
 
 from __future__ import annotations

@@ -172,7 +172,7 @@ class Situation:
         return None if self._gps or estimate is None else estimate.fix_age
 
     def estimate(self, now: float) -> Estimate | None:
-        """The estimate at ``now``. The engine's own is of its last step, and there is none while
+        """The estimate at ``now``. The engine's own is of its last step, and no step comes while
         the board is silent and no timer is due. The filter does not change."""
         told, navigation = self._engine.estimate, self._engine.core.vehicle_state.navigation
         if told is None or navigation is None or now <= told.t:
@@ -184,7 +184,7 @@ class Situation:
         return ahead
 
     def uncertainty(self, now: float) -> float | None:
-        """Radius that contains the position with 95 %, m; None if unknown."""
+        """Radius that contains the position with 95 % probability, m; None if unknown."""
         estimate = self.estimate(now)
         if estimate is None or not self._engine.readings["uncertainty"].valid:
             return None

@@ -16,7 +16,7 @@ _RUNNING: list[subprocess.Popen[bytes]] = []
 
 
 def close_in_background(folder: Path, but: Path | None) -> None:
-    """Convert all parts in the folder but ``but``, which is being written. Without such parts no
+    """Convert all parts in the folder except ``but``, which is being written. Without such parts no
     process is started. Never raises: if none can be started, the parts stay readable as they are.
     """
     _RUNNING[:] = [process for process in _RUNNING if process.poll() is None]

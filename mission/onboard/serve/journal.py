@@ -59,7 +59,7 @@ class Journal:
         self._tell(WARNING, text, key, times, kind)
 
     def fault(self, text: str) -> None:
-        """Write a fault, always."""
+        """Write a fault, even a repeated one."""
         self._write(f"{FAULT}: {text.rstrip()}")
 
     def error(self, text: str, error: BaseException) -> None:

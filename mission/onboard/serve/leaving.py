@@ -1,4 +1,4 @@
-"""When serve may end: when the vehicle needs no program any more, or when the time is up.
+"""When serve may end: when the vehicle needs no control any more, or when the time is up.
 
     signal --> surface first, while operators still command --> settled               --> end
     another signal, or MARGIN_S before the service manager kills --> last commands    --> end

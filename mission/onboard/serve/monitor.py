@@ -1,4 +1,4 @@
-"""The read-only monitor of a running serve: viewers get little data, and fresh. Sans-IO.
+"""The read-only monitor of a running serve: what viewers are sent, in few bytes. Sans-IO.
 
     serve -> viewer  {"n": 7, "t": 41.2, "state": {what changed}, "events": [...], "plan": [...],
                       "track": [[t, latitude, longitude, depth], ...], "gap": 0,

@@ -112,8 +112,8 @@ class Processes:
 
 
 def _give_way(process: Process) -> None:
-    """Take the priorities of this program's unit from the camera: X and W come first, and if memory
-    is short, the camera is killed before the radio's programs."""
+    """Lower the priorities that the camera inherits from this program's unit: X and W come first,
+    and if memory is short, the camera is killed before the radio's programs."""
     with contextlib.suppress(OSError):
         os.setpriority(os.PRIO_PGRP, process.pid, _NICE)
         Path(f"/proc/{process.pid}/oom_score_adj").write_text(str(_GOES_FIRST))

@@ -200,7 +200,7 @@ class Server:
         self._schedule()
 
     def _fault(self, error: Exception) -> None:
-        """Log an error of the program itself, and start another runtime; serve goes on."""
+        """Log an error of the program itself, and start another runtime; serve continues."""
         self._runtime = None
         if self._timer is not None:
             self._timer.cancel()

@@ -7,7 +7,7 @@ overtake it.
                            then all of it goes to the runtime, which finds the verdict ready (R3)
 
 Judging a long mission takes seconds, more on a Pi. Without this queue the event loop would block:
-no X would leave, and the service manager would take the program for hung. An X or W of the same
+no X would leave, and the service manager would find the program hung. An X or W of the same
 connection overtakes the held bytes, marked by bytes that end a frame that had begun; bytes before
 it in the same read are dropped. Outside idle no line is accepted: the held bytes go on at once, and
 the runtime refuses commands that were sent before an X or W (R7).

@@ -103,8 +103,8 @@ def _step(record: Record) -> list[Event]:
 
 
 def answers_in(data: bytes) -> Iterator[tuple[str, bool]]:
-    """Yield each command that these bytes to an operator answer, as ``AA``, and whether they refuse
-    it."""
+    """Yield each command that these bytes to an operator answer, such as ``AA``, and whether they
+    refuse it."""
     for word, letter in _ANSWER.findall(data):
         yield word.decode(), letter == b"N"
 

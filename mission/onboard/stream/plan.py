@@ -1,9 +1,9 @@
 """A mission as a map: home, radius, areas, the lines of its legs, as GeoJSON (RFC 7946).
 
-The pilot of a leg that steers to places leads from corner to corner, from the end of the previous
-leg. A leg that holds a heading is drawn for still water at its planning speed, up to the distance,
-depth or time that ends it. A further round is drawn only if it leads elsewhere. A leg that is
-entered only when another one fails is not drawn.
+A leg that steers to places is traced by its own pilot from corner to corner, from the end of the
+previous leg. A leg that holds a heading is drawn for still water at its planning speed, up to the
+distance, depth or time that ends it. A further round is drawn only if it leads elsewhere. A leg
+that is entered only when another one fails is not drawn.
 
 What does not live here: a route that was flown (derived), a plan that is flown in simulation
 (verification.planned), pictures (report).
