@@ -36,7 +36,7 @@ TURN_S, FALL_M = 10.0, 0.3
 AGAIN_S, TIMES = 0.5, 3  # s between repeats, times sent: no answer is awaited
 GAP_S = 0.05  # s between two frames: the STM32 misreads frames that come in one burst
 DEEP_M, DEEP_REPORTS = 2.0, 3
-SHALLOW_M, SHALLOW_S = 0.5, 6.0
+ABOVE_M, SHALLOW_M, SHALLOW_S = -0.8, 0.5, 6.0
 STALE_S = 6.0
 REPORT, DEPTH_AT = 86, 19  # bytes of an @SD, offset of its depth
 AT_REST = (
@@ -97,10 +97,11 @@ class Climb:
             self._change(True, now)
 
     def _at_surface(self, depth: float, now: float, silent: bool) -> bool:
-        """Whether the depth was shallow for 6 s without a dropout, and has ever changed (R7)."""
+        """Whether the depth was shallow for 6 s without a dropout, never 0.8 m or more above the
+        water, and has ever changed (R7)."""
         self._first = depth if self._first is None else self._first
         self._moves = self._moves or depth != self._first
-        if depth >= SHALLOW_M or not self._moves:
+        if not ABOVE_M < depth < SHALLOW_M or not self._moves:
             self._shallow = None
         elif self._shallow is None or silent:
             self._shallow = now

@@ -163,7 +163,8 @@ def of_sensors(heard: Sequence[Aid | FrameFault], length: int) -> Finding:
 
 
 def _listen(link: Link, vehicle: Vehicle, raw: bytearray) -> list[Received]:
-    """Send the query, and listen until REPORTS reports have come or the time is over."""
+    """Send the query, and listen until REPORTS reports and its answer have come or the time is
+    over."""
     decoder = codec(*vehicle.speaks)
     heard: list[Received] = []
     begun = time.monotonic()
@@ -173,12 +174,18 @@ def _listen(link: Link, vehicle: Vehicle, raw: bytearray) -> list[Received]:
     def enough() -> bool:
         passed = time.monotonic() - begun
         reports = sum(isinstance(one, Telemetry) for one in heard)
-        return passed >= LONGEST_S or reports >= REPORTS or (not reports and passed >= LISTEN_S)
+        complete = reports >= REPORTS and (vehicle.codec != "auv" or bool(_answers(heard)))
+        return passed >= LONGEST_S or complete or (not reports and passed >= LISTEN_S)
 
     for data, now in listened(link, enough):
         heard += decoder.receive(data, now)
         raw += data
     return heard
+
+
+def _answers(heard: Sequence[Received]) -> list[Ack]:
+    """The answers to the query."""
+    return [one for one in heard if isinstance(one, Ack) and one.group == "R"]
 
 
 def listened(link: Link, over: Callable[[], bool]) -> Iterator[tuple[bytes, float]]:
@@ -197,8 +204,7 @@ def of_vehicle(vehicle: Vehicle, heard: Sequence[Received], raw: bytes = b"") ->
     else:
         yield ok("vehicle", f"reports ({len(reports)} good, {faults} faulty frames)")
     if vehicle.codec == "auv":
-        answers = [one for one in heard if isinstance(one, Ack) and one.group == "R"]
-        if answers:
+        if _answers(heard):
             yield ok("vehicle answers", "the STM32 answers @RI")
         else:
             yield fault(
