@@ -90,7 +90,7 @@ class Calibrated:
 
 
 def calibrate(logs: Sequence[Inputs], vehicle: Vehicle) -> Calibrated:
-    """Calibrate ``vehicle`` from logs, one per dive or day. Raises CalibrationError."""
+    """Calibrate ``vehicle`` from logs. Raises CalibrationError."""
     logs = [sorted(log, key=lambda item: item.t) for log in logs]
     if not any(len([i for i in log if isinstance(i, Fix)]) >= 2 for log in logs):
         raise CalibrationError("no log has two fixes: there is nothing to compare with")

@@ -35,7 +35,7 @@ from mission.onboard.stream.wellknown import INFO
 REFUSED = "refused "  # how the engine's event of a refusal begins
 _CUT_SHORT = frozenset({By.TIMEOUT, By.ELSE, By.ON, By.UNCERTAIN})
 _OPERATORS = frozenset({"topside", "modem"})
-_ON_ITS_BEHALF = "answer of the STM32"  # reason of an answer for the STM32, if it answered or not
+_ON_ITS_BEHALF = "answer of the STM32"  # reason of answers for the STM32, also if it gave none
 
 
 def story(recordings: Sequence[Sequence[Record | Gap]]) -> list[Chapter]:
