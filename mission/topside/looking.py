@@ -1,8 +1,8 @@
 """What `auvmission status` learns of a vehicle by its port, and how old that is. Sans-IO.
 
 ``@AE`` reports the state and the ages of the last report and fix, ``@VS`` their contents. A vehicle
-without ``@AE`` (an older program) reports no age. Then ``@VS`` is asked again, and values that have
-changed are new. Under water, where answers take seconds, it is asked only once.
+without ``@AE`` (an older program) reports no age. Then ``@VS`` is requested again, and values that
+have changed are new. Under water, where answers take seconds, it is requested only once.
 
 What does not live here: how it is shown (showing).
 """

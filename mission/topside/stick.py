@@ -3,9 +3,10 @@
     keys, pad --> Helm --M--> link --> serve        @DU and @AQ in turn, every 0.5 s <-- answers
                --X, every second until it is acknowledged, or the hand moves it again-->
 
-If the terminal, the pad or this program is lost, no further M is sent, and the Pi stops the vehicle
-2 s after the last one (R6). A link without any answer for ``LOST_S`` is given up, and commands that
-have not arrived are dropped: the stick of some seconds ago is no command.
+While an X is not acknowledged, @AE takes the place of @AQ. If the terminal, the pad or this program
+is lost, no further M is sent, and the Pi stops the vehicle 2 s after the last one (R6). A link
+without any answer for ``LOST_S`` is given up, and commands that have not arrived are dropped: the
+stick of some seconds ago is no command.
 
     Lost        (the operator must act: says what is lost)
 
