@@ -1,4 +1,4 @@
-"""The simulated AUV as a process of its own, behind two pseudo-terminals.
+"""The simulated AUV as a process of its own, behind pseudo-terminals.
 
     python -m links.simulated [--profile as-built] [--seed 0] [--speed 1] [--set KEY=VALUE ...]
                               [--position LAT,LON] [--track FILE]

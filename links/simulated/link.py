@@ -274,7 +274,7 @@ class SimulatedVehicle:
             self.sensors.used,
         )
 
-    # --- what the links foretell -----------------------------------------------------------
+    # --- predictions for the links ---------------------------------------------------------
 
     def _foretell(self) -> None:
         """Set the next tick to stop at, and when the next output of each kind will be complete."""

@@ -58,7 +58,7 @@ class Settings:
         return replace(body, main_thrust=self.thrust * body.main_thrust)
 
     def has(self, part: str) -> bool:
-        """Whether what a fault ``needs`` is fitted; "" is."""
+        """Whether the part that a fault ``needs`` is fitted; True for ""."""
         if part == SECOND:
             return self.second_gps is not None
         return not part or self.added.has(part)
