@@ -24,7 +24,12 @@ from mission.verification.campaign.reports import Report
 from mission.verification.campaign.scene import DOWN, X, repeated, say
 from mission.verification.campaign.status_laws import _is_stuck, _is_told_up
 from mission.verification.campaign.story import Stay
-from mission.verification.campaign.surface_laws import _died_near, _froze_near, _is_asked_twice
+from mission.verification.campaign.surface_laws import (
+    _come_round,
+    _died_near,
+    _froze_near,
+    _is_asked_twice,
+)
 from mission.verification.campaign.word_laws import _allowed
 from mission.verification.rig.acts import MODEM, TOPSIDE, Act, Disturbance
 from mission.verification.rig.trace import Done, Said
@@ -283,6 +288,32 @@ def test_a_depth_that_froze_near_the_surface_is_not_told_while_no_thruster_turns
         reports=said,
     )
     assert _froze_near(told, 100.0) is untold  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("name", "begin", "seen", "booted", "first"),
+    [
+        ("gps_in_turn", 74.4, 0.6, 50.6, True),
+        ("gps_in_turn", 71.0, 0.6, 50.6, False),
+        ("gps_stuck", 74.4, 0.6, 50.6, True),
+        ("gps_stuck", 72.5, 0.6, 50.6, False),
+        ("gps_in_turn", 74.4, 0.3, 50.6, False),
+        ("gps_in_turn", 74.4, 0.6, None, False),
+        ("gps_in_turn", 40.0, 0.6, 50.6, False),
+    ],
+)
+def test_a_receiver_that_repeats_places_has_not_come_round_to_a_program_that_began_below(
+    name: str, begin: float, seen: float, booted: float | None, first: bool
+) -> None:
+    """As flight 11446 of seed 11126: killed on the way up, and two places in turn at the surface.
+    ``seen``: m, the least depth since the program began."""
+    told = SimpleNamespace(
+        done=[] if booted is None else [Done(booted, Act.BOOT)],
+        faults=lambda *_: [FaultEvent(name, begin, 90.0, 2.4)],
+        depth=lambda t: seen if t == 60.0 else 5.0,
+        settings=Settings(),
+    )
+    assert _come_round(told, 75.3) is first  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize(
