@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 from types import SimpleNamespace
@@ -20,6 +21,7 @@ from mission.verification.campaign.broken import broken
 from mission.verification.campaign.draw import Drawn, Plan, stage
 from mission.verification.campaign.faults import fly_plan, result_of, shipped, subjects
 from mission.verification.campaign.leg_laws import waits
+from mission.verification.campaign.limit_laws import _BY_REPORT, _by_report
 from mission.verification.campaign.reports import Report
 from mission.verification.campaign.scene import DOWN, X, repeated, say
 from mission.verification.campaign.status_laws import _is_stuck, _is_told_up
@@ -314,6 +316,24 @@ def test_a_receiver_that_repeats_places_has_not_come_round_to_a_program_that_beg
         settings=Settings(),
     )
     assert _come_round(told, 75.3) is first  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("degrees", "seen", "broken"), [(92, 6, False), (92, 7, True), (110, 5, True), (75, 5, True)]
+)
+def test_a_roll_of_ninety_degrees_may_take_six_reports(
+    degrees: float, seen: int, broken: bool
+) -> None:
+    """As flight 17083 of seed 11126: 105, 91, 89, 93, 91 and 90 degrees, and then it acted."""
+    stay = Stay("autonomous/third/fix", 0.0, 100.0, "", None)
+    told = SimpleNamespace(
+        samples_in=lambda *_: [SimpleNamespace(t=2.0 * i) for i in range(seen)],
+        tilt=lambda t: math.radians(degrees),
+        vehicle=SimpleNamespace(limits=SimpleNamespace(roll=math.radians(60.0))),
+        hindered=lambda *_: False,
+        faulty=lambda *_: False,
+    )
+    assert bool(list(_by_report(told, [stay], _BY_REPORT[1]))) is broken  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize(
