@@ -16,8 +16,10 @@ from mission.engine.restart import begin_again
 from mission.engine.watch import Watch
 from mission.model import STOPPED, SURFACED, SURFACING, Restarted, Step, Tx
 from mission.onboard.runtime.operator_server import OperatorServer
+from mission.onboard.runtime.runtime import VEHICLE
 from mission.onboard.runtime.situation import Situation
 from mission.verification.campaign.broken import broken
+from mission.verification.campaign.depth_laws import _misses_its_lift
 from mission.verification.campaign.draw import Drawn, Plan, stage
 from mission.verification.campaign.faults import fly_plan, result_of, shipped, subjects
 from mission.verification.campaign.leg_laws import waits
@@ -334,6 +336,29 @@ def test_a_roll_of_ninety_degrees_may_take_six_reports(
         faulty=lambda *_: False,
     )
     assert bool(list(_by_report(told, [stay], _BY_REPORT[1]))) is broken  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("busy", "stopped", "tries", "missed"),
+    [
+        (0.89, 144.29, (0.12, 0.42, 0.72), True),
+        (0.5, 144.29, (0.12, 0.42, 0.72), False),
+        (0.89, 144.29, (), False),
+        (0.89, 140.0, (0.12, 0.42, 0.72), False),
+        (0.89, 149.69, (0.12, 0.42, 0.72), False),
+    ],
+)
+def test_a_board_that_is_busy_with_a_stop_lets_what_is_held_up_sink_until_u12_is_repeated(
+    busy: float, stopped: float, tries: Sequence[float], missed: bool
+) -> None:
+    """As flight 8129 of seed 11631: full thrust had another turn as the surface was proved."""
+    words = [Tx(stopped, VEHICLE, b"@ZAX0$", "")]
+    words += [Tx(stopped + t, VEHICLE, b"@ZAU12$", "") for t in tries]
+    told = SimpleNamespace(
+        faults=lambda *_: [FaultEvent("busy", 46.4, 1e6, busy)],
+        words_in=lambda begin, end: [word for word in words if begin <= word.t <= end],
+    )
+    assert _misses_its_lift(told, 149.69) is missed  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize(
