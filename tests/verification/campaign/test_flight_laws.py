@@ -26,7 +26,7 @@ from mission.verification.campaign.leg_laws import waits
 from mission.verification.campaign.limit_laws import _BY_REPORT, _by_report
 from mission.verification.campaign.reports import Report
 from mission.verification.campaign.scene import DOWN, X, repeated, say
-from mission.verification.campaign.status_laws import _is_stuck, _is_told_up
+from mission.verification.campaign.status_laws import _is_alone, _is_stuck, _is_told, _is_told_up
 from mission.verification.campaign.story import Stay
 from mission.verification.campaign.surface_laws import (
     _come_round,
@@ -194,6 +194,27 @@ def test_a_status_waits_where_the_surface_was_proved_by_a_receiver_that_is_stuck
     stuck = FaultEvent("gps_stuck", began)
     told = SimpleNamespace(faults=lambda *_: [stuck], faulty=lambda *_: True)
     assert _is_stuck(told, 100.0) is excused  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("joins", "excused"), [((105.0,), True), ((95.0,), False), ((92.0, 105.0), False), ((), True)]
+)
+def test_a_status_that_is_sent_before_the_boat_is_back_reaches_no_boat(
+    joins: Sequence[float], excused: bool
+) -> None:
+    """As flight 18145 of seed 11732: a W by modem, and the boat connects half a second later."""
+    begun = [Done(5.0, Act.JOIN), Done(86.0, Act.KILL), Done(91.0, Act.BOOT)]
+    told = SimpleNamespace(
+        done=[*begun, *(Done(t, Act.JOIN) for t in joins)],
+        hindered=lambda *_: False,
+        faults=lambda *_: [],
+        faulty=lambda *_: False,
+        reports=[],
+    )
+    stay = Stay(SURFACED, 100.0, 120.0, SURFACING, None)
+    by_modem = [Tx(100.1, MODEM, b"@VS", "at the surface")]
+    assert _is_alone(told, 100.0) is excused  # type: ignore[arg-type]
+    assert bool(list(_is_told(told, stay, by_modem))) is not excused  # type: ignore[arg-type]
 
 
 @pytest.mark.replaces
