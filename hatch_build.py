@@ -1,21 +1,24 @@
 """The compiled build: hatchling's hook for a wheel, and a tree in which that wheel is installed.
 
     AUVMISSION_COMPILED=1 pip install .        a wheel with compiled modules
-    python hatch_build.py build/compiled       that wheel in an environment, and its tests beside it
+    python hatch_build.py build/compiled       that wheel in an environment, with the tests beside it
 
-mypyc translates the modules that ``mission.model.compiled`` lists, and the C compiler of this
-machine makes one extension of them all. Without the variable, or without a compiler, the wheel is
-pure Python. An editable install is always pure.
+mypyc translates the modules that ``mission.model.compiled`` lists, and this machine's C compiler
+makes one extension of them all. Without the variable, or without a compiler, the wheel is pure
+Python. An editable install is always pure.
 
-Other packages are not looked at: what is built follows from this tree alone, whatever is installed.
-Classes are marked as such that interpreted ones may inherit from; with that they can be copied,
-too (others can only if their constructor takes nothing). Dataclasses are told the types of their
-fields again, which mypyc forgets, and how frozen ones are copied and pickled: mypyc sets field by
-field what must not be set. Constants are marked as final: mypyc then writes a number down
-where it is used, and keeps the others where no dictionary has to be asked. That is done in the copy
-that is compiled, and undone there: no source needs mypyc.
-Contraction is off: a multiplication and an addition that become one instruction round once instead
-of twice, and aarch64 would then differ from x86-64 in the last bit.
+mypyc ignores other packages: the result depends on this tree alone, whatever is installed. The
+copy that is compiled is changed before, and restored after; no source needs mypyc. The changes:
+
+- Classes are marked so that interpreted classes may inherit from them. Marked classes can also be
+  copied (others only if their constructor takes no argument).
+- Dataclasses get the types of their fields again, because mypyc loses them.
+- Frozen dataclasses get a way to be copied and pickled: mypyc would set their fields one by one.
+- Constants are marked as final: mypyc then inlines numbers, and reads the others without a
+  dictionary lookup.
+
+Contraction is off. A fused multiply-add rounds once instead of twice, so aarch64 would differ from
+x86-64 in the last bit.
 """
 
 from __future__ import annotations
@@ -38,7 +41,7 @@ from typing import Any
 
 try:
     from hatchling.builders.hooks.plugin.interface import BuildHookInterface
-except ImportError:  # run by hand
+except ImportError:  # run as a script
     BuildHookInterface = object
 
 LIST = Path("mission", "model", "compiled.py")
@@ -50,7 +53,7 @@ NEEDED = ["mypy>=1.18", "setuptools>=65"]
 CHECKING = ["--config-file=", "--no-site-packages", "--ignore-missing-imports"]
 FLAGS = ["-ffp-contract=off"]
 _MARK = "@mypyc_attr(allow_interpreted_subclasses=True)\n"
-# Of the classes that are inherited from, or copied.
+# Bases of the classes that others inherit from, or copy.
 _BASES = "ABC|EngineState|Flying|LockStep|Rig|Watch"
 _CLASS = re.compile(rf"^(?=class \w+(\(({_BASES})\))?:)", re.MULTILINE)
 _FUTURE = re.compile(r"^(from __future__ import annotations\n)", re.MULTILINE)
@@ -64,7 +67,7 @@ LEFT = {*CACHES, "__pycache__", ".git", ".venv", "build", "dist", "out"}
 
 
 def has_compiler() -> bool:
-    """Whether the compiler of this machine makes an extension of Python."""
+    """Whether this machine's C compiler can build a Python extension."""
     from setuptools import Distribution, Extension
     from setuptools.command.build_ext import build_ext
     from setuptools.errors import CompileError, LinkError, PlatformError
@@ -83,8 +86,8 @@ def has_compiler() -> bool:
 
 
 def compile_in(folder: Path) -> list[Path]:
-    """Compiles in place what stands in ``folder``. The extensions, relative to it; the one that
-    holds the code of all is at its top."""
+    """Compile the tree in ``folder`` in place and return its extensions, relative to it. The one
+    with the code of all is at its top."""
     from setuptools import Distribution
     from setuptools.command.build_ext import build_ext
 
@@ -103,7 +106,7 @@ def compile_in(folder: Path) -> list[Path]:
 
 
 def at_once(compile_: Callable[..., list[str]], cores: int) -> Callable[..., list[str]]:
-    """A compiler's ``compile``, by so many processes at a time: a file of C each."""
+    """A compiler's ``compile`` that runs ``cores`` compilers at a time, one C file each."""
 
     def of_all(sources: list[str], **options: Any) -> list[str]:
         with ThreadPoolExecutor(cores) as threads:
@@ -114,13 +117,14 @@ def at_once(compile_: Callable[..., list[str]], cores: int) -> Callable[..., lis
 
 
 def translate_in(folder: Path) -> None:
-    """The C code alone, in ``folder``: whether mypyc takes the sources, in a sixth of the time."""
+    """Only generate the C code, in ``folder``: shows whether mypyc accepts the sources, in a sixth
+    of the time."""
     with chdir(folder), marked(_sources(folder)) as sources:
         translated(sources)
 
 
 def translated(sources: list[Path]) -> list[Any]:
-    """Extensions to be compiled. Ends the program with mypyc's words where it takes them not."""
+    """Return the extensions to compile. Ends the program with mypyc's errors if it refuses them."""
     from mypyc.build import mypycify
 
     extensions = mypycify(
@@ -136,7 +140,7 @@ def translated(sources: list[Path]) -> list[Any]:
 
 
 def _sources(folder: Path) -> list[Path]:
-    """Of the modules that the tree in ``folder`` lists, relative to it."""
+    """The source files of the modules that the tree in ``folder`` lists, relative to it."""
     for node in ast.parse((folder / LIST).read_text()).body:
         if isinstance(node, ast.Assign) and _names(node) == ["MODULES"]:
             names = ast.literal_eval(node.value)
@@ -146,8 +150,8 @@ def _sources(folder: Path) -> list[Path]:
 
 @contextmanager
 def marked(sources: list[Path]) -> Iterator[list[Path]]:
-    """Within it the classes without bases, and those of ``_BASES``, say that others may inherit
-    from them, and constants that they are some."""
+    """Mark the sources in the ``with`` block, and restore them after it. Marked are constants,
+    classes without a base, and classes with a base of ``_BASES``."""
     before = {source: source.read_text() for source in sources}
     try:
         for source, text in before.items():
@@ -160,8 +164,8 @@ def marked(sources: list[Path]) -> Iterator[list[Path]]:
 
 
 def finals(text: str) -> str:
-    """The module with its constants marked: names in capitals that are given a value once, by
-    themselves or several in one statement, from as many or from a range. Each stays on its line."""
+    """The module with its constants marked as ``Final``. Constants are names in capitals that are
+    assigned once: alone, or several in one statement, from a tuple or a range. No line moves."""
     tree, lines = ast.parse(text), text.splitlines(keepends=True)
     once = _given_once(tree)
     for node in tree.body:
@@ -182,7 +186,7 @@ def finals(text: str) -> str:
 
 
 def _given_once(tree: ast.Module) -> set[str]:
-    """Names in capitals that nothing in the module gives another value."""
+    """Names in capitals that the module assigns only once."""
     plain = [n for n in tree.body if not isinstance(n, ast.FunctionDef | ast.ClassDef)]
     stored = Counter(
         node.id
@@ -195,14 +199,14 @@ def _given_once(tree: ast.Module) -> set[str]:
 
 
 def _names(node: ast.Assign | ast.AnnAssign) -> list[str]:
-    """What it gives a value; what is no name as it is written."""
+    """The targets of the assignment, as source text."""
     targets = node.targets if isinstance(node, ast.Assign) else [node.target]
     parts = targets[0].elts if isinstance(targets[0], ast.Tuple) else targets
     return [ast.unparse(part) for part in parts]
 
 
 def _values(node: ast.Assign) -> list[str]:
-    """What each of several names is given; none where that cannot be told."""
+    """The values that several names get, as source text; empty if they cannot be told."""
     match node.value:
         case ast.Tuple(elts=parts):
             return list(map(ast.unparse, parts))
@@ -221,9 +225,9 @@ def _insert(lines: list[str], number: int, column: int | None, words: str) -> No
 
 
 def told_again(text: str) -> str:
-    """Lines that tell the dataclasses of a module the types of their fields again (mypyc keeps
-    ``tuple`` of a ``tuple[float, ...]``, and records are read back by these types), and of what
-    a frozen one is made again."""
+    """Lines that give the module's dataclasses the types of their fields again, and frozen ones a
+    way to be pickled. mypyc keeps only ``tuple`` of ``tuple[float, ...]``, but records are read
+    back by these types."""
     lines = []
     for node in ast.parse(text).body:
         if isinstance(node, ast.ClassDef) and "dataclass" in map(_called, node.decorator_list):
@@ -245,7 +249,7 @@ def _called(decorator: ast.expr) -> str:
 
 
 class CustomBuildHook(BuildHookInterface):  # type: ignore[misc, valid-type]
-    """Hatchling finds it by its name, since pyproject.toml has a table for it."""
+    """The build hook. Hatchling loads it because pyproject.toml has a table for it."""
 
     def dependencies(self) -> list[str]:
         return NEEDED if os.environ.get(WANTED) else []
@@ -266,7 +270,7 @@ class CustomBuildHook(BuildHookInterface):  # type: ignore[misc, valid-type]
 
 
 def copy(root: Path, tree: Path, names: Iterable[str]) -> None:
-    """The sources as they are, in the place of what was there."""
+    """Copy the sources ``names`` into ``tree``, in place of earlier copies."""
     for name in names:
         shutil.rmtree(tree / name, ignore_errors=True)
         source = root / name
@@ -278,9 +282,9 @@ def copy(root: Path, tree: Path, names: Iterable[str]) -> None:
 
 
 def digest(root: Path) -> str:
-    """Of all that the wheel is made of."""
-    rooms = [path for name in INSTALLED for path in (root / name).rglob("*")]
-    files = [path for path in rooms if path.is_file() and "__pycache__" not in path.parts]
+    """A digest of every file that the wheel depends on."""
+    found = [path for name in INSTALLED for path in (root / name).rglob("*")]
+    files = [path for path in found if path.is_file() and "__pycache__" not in path.parts]
     whole = hashlib.sha256()
     for path in sorted([*files, root / "hatch_build.py", root / "pyproject.toml"]):
         content = path.read_bytes()
@@ -289,8 +293,8 @@ def digest(root: Path) -> str:
 
 
 def install(root: Path, tree: Path) -> None:
-    """Builds the wheel and installs it, with what its tests and benches need, in an environment of
-    its own in ``tree``. SystemExit where it would be pure Python."""
+    """Build the wheel and install it in a fresh environment in ``tree``, with the packages that its
+    tests and benches need. Ends the program if the wheel is pure Python."""
     wheels, folder = tree / "wheel", tree / ".venv"
     shutil.rmtree(wheels, ignore_errors=True)
     words = ("wheel", "--quiet", "--no-deps", "--wheel-dir", str(wheels), str(root))
@@ -305,7 +309,7 @@ def install(root: Path, tree: Path) -> None:
 
 
 def link(tree: Path) -> None:
-    """What is installed stands in the place of the sources: no test finds any others."""
+    """Link the installed packages where the sources would be, so that the tests run only those."""
     (packages,) = tree.glob(".venv/lib/python*/site-packages")
     for name, place in INSTALLED.items():
         if (tree / name).is_symlink():
