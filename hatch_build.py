@@ -49,6 +49,7 @@ WANTED = "AUVMISSION_COMPILED"
 NO_COMPILER = "no C compiler that finds Python.h: the wheel is pure Python"
 PACKAGES = ("mission", "links", "protocol")
 INSTALLED = {name: name for name in PACKAGES} | {"missions": "mission/missions"}  # in a wheel
+MADE_OF = Path("wheel", "made-of")  # in the tree: the digest of the sources of its wheel
 NEEDED = ["mypy>=1.18", "setuptools>=65"]
 CHECKING = ["--config-file=", "--no-site-packages", "--ignore-missing-imports"]
 FLAGS = ["-ffp-contract=off"]
@@ -292,6 +293,16 @@ def digest(root: Path) -> str:
     return whole.hexdigest()
 
 
+def outdated(root: Path, tree: Path) -> str:
+    """Why the build in ``tree`` is not one of the sources in ``root``; empty if it is."""
+    made_of = tree / MADE_OF
+    if not made_of.exists():
+        return "there is no compiled build: make compiled"
+    if made_of.read_text() != digest(root):
+        return "the compiled build is of other sources: make compiled"
+    return ""
+
+
 def install(root: Path, tree: Path) -> None:
     """Build the wheel and install it in a fresh environment in ``tree``, with the packages that its
     tests and benches need. Ends the program if the wheel is pure Python."""
@@ -323,10 +334,9 @@ def main(folder: str) -> int:
     if root.is_relative_to(tree):
         raise SystemExit(f"{tree} has the sources; name a folder that can be replaced")
     tree.mkdir(parents=True, exist_ok=True)
-    made_of, now = tree / "wheel" / "made-of", digest(root)
-    if not made_of.exists() or made_of.read_text() != now:
+    if outdated(root, tree):
         install(root, tree)
-        made_of.write_text(now)
+        (tree / MADE_OF).write_text(digest(root))
     link(tree)
     copy(root, tree, {path.name for path in root.iterdir()} - LEFT - INSTALLED.keys())
     return 0

@@ -9,7 +9,6 @@ import importlib.util
 import os
 import pickle
 import re
-import runpy
 import shutil
 import subprocess
 import sys
@@ -19,7 +18,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from builds import PACKAGES, PYTHON, ROOT, TREE, is_made
+from builds import BUILD, PACKAGES, PYTHON, ROOT, TREE, is_made
 from click.testing import CliRunner
 from served import PATIENCE
 
@@ -151,7 +150,7 @@ def test_the_types_of_fields_that_mypyc_forgets_are_told_again() -> None:
     exec(SOURCE, names)
     whole = typing.get_type_hints(names["Curve"], names)
     names["Curve"].__annotations__.update(at=tuple, named=type)  # as mypyc leaves them
-    exec(runpy.run_path(str(ROOT / "hatch_build.py"))["told_again"](SOURCE), names)
+    exec(BUILD["told_again"](SOURCE), names)
     assert typing.get_type_hints(names["Curve"], names) == whole
 
 
@@ -179,7 +178,7 @@ def count(LIMIT: float) -> None:
 
 
 def test_constants_are_marked_and_stay_on_their_lines() -> None:
-    marked = runpy.run_path(str(ROOT / "hatch_build.py"))["finals"](CONSTANTS)
+    marked = BUILD["finals"](CONSTANTS)
     before, after = CONSTANTS.splitlines(), marked.splitlines()
     assert len(after) == len(before)
     assert [line for old, line in zip(before, after, strict=True) if line != old] == [
@@ -203,7 +202,7 @@ def test_files_of_c_are_compiled_side_by_side_and_come_back_in_their_order() -> 
         both_there.wait()
         return [f"{folder}/{source}.o" for source in sources]
 
-    at_once = runpy.run_path(str(ROOT / "hatch_build.py"))["at_once"]
+    at_once = BUILD["at_once"]
     assert at_once(one, 2)(["a", "b", "c", "d"], folder="x") == [f"x/{name}.o" for name in "abcd"]
 
 

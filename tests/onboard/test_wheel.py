@@ -1,11 +1,10 @@
-"""Laws of the wheel: hatchling finds the hook, which adds what is compiled; what is installed from it
-is what `make test-compiled` tries."""
+"""Laws of the wheel: hatchling runs the hook, the hook adds the extensions, and `make test-compiled`
+runs the tests on what is installed from that wheel."""
 
 from __future__ import annotations
 
 import importlib
 import os
-import runpy
 import shutil
 import subprocess
 import sys
@@ -15,18 +14,17 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from builds import PACKAGES, PYTHON, ROOT, TREE, is_made
+from builds import BUILD, PACKAGES, PYTHON, ROOT, TREE, is_made
 
 from mission.model import compiled
 
-BUILD = runpy.run_path(str(ROOT / "hatch_build.py"))
 EXTENSION = "core.cpython-311-x86_64-linux-gnu.so"
 Wheel = Callable[..., Path]
 
 
 @pytest.fixture
 def project(tmp_path: Path) -> Path:
-    """As small as hatchling takes it; the files that say how it is built are ours."""
+    """The smallest tree that hatchling builds; pyproject.toml and hatch_build.py are ours."""
     for name in ("pyproject.toml", "hatch_build.py", "README.md", "LICENSE"):
         shutil.copy(ROOT / name, tmp_path)
     for name in (*PACKAGES, "missions"):
@@ -37,7 +35,7 @@ def project(tmp_path: Path) -> Path:
 
 @pytest.fixture
 def wheel(project: Path, monkeypatch: pytest.MonkeyPatch) -> Wheel:
-    """Built by hatchling, with a compiler that makes two extensions in no time."""
+    """Builds the wheel with hatchling; a stand-in for the compiler makes two empty extensions."""
     from hatchling.builders.wheel import WheelBuilder
 
     def compile_in(tree: Path) -> list[Path]:
@@ -65,7 +63,7 @@ def extensions(wheel: Path) -> list[str]:
     return [name for name in zipfile.ZipFile(wheel).namelist() if name.endswith(".so")]
 
 
-def test_a_wheel_has_what_is_compiled_and_is_of_this_platform(wheel: Wheel) -> None:
+def test_a_compiled_wheel_has_the_extensions_and_is_of_this_platform(wheel: Wheel) -> None:
     made = wheel()
     assert sorted(extensions(made)) == [EXTENSION, f"mission/{EXTENSION}"]
     *_, python, abi, platform = made.stem.split("-")
@@ -73,14 +71,16 @@ def test_a_wheel_has_what_is_compiled_and_is_of_this_platform(wheel: Wheel) -> N
     assert platform != "any"
 
 
-def test_a_wheel_is_pure_where_nobody_asked(wheel: Wheel, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_wheel_is_pure_unless_somebody_asks(
+    wheel: Wheel, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.delenv(BUILD["WANTED"])
     made = wheel()
     assert made.name == "auvmission-0.1.0-py3-none-any.whl"
     assert extensions(made) == []
 
 
-def test_a_wheel_is_pure_without_a_compiler_and_that_is_said(
+def test_without_a_compiler_the_wheel_is_pure_and_the_build_says_so(
     wheel: Wheel, capsys: pytest.CaptureFixture[str]
 ) -> None:
     made = wheel(compiler=False)
@@ -102,9 +102,7 @@ def test_an_editable_install_compiles_nothing(
     assert not (project / "build").exists()
 
 
-def test_only_who_asks_for_a_compiled_wheel_needs_mypyc(
-    project: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_only_a_compiled_wheel_needs_mypyc(project: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     from hatchling.build import get_requires_for_build_wheel
 
     monkeypatch.chdir(project)
@@ -123,13 +121,13 @@ def tried(**settings: str) -> str:
     return told.stdout.splitlines()[-1]
 
 
-def test_a_compiler_is_there_if_it_makes_an_extension() -> None:
+def test_a_compiler_counts_if_it_makes_an_extension() -> None:
     assert tried(CC="false") == "False"
     if shutil.which("cc"):
         assert tried() == "True"
 
 
-def test_what_is_built_is_old_when_a_source_has_changed_or_gone(project: Path) -> None:
+def test_the_digest_changes_with_every_source_that_changes_or_goes(project: Path) -> None:
     digests = [BUILD["digest"](project)]
     (project / "mission" / "__pycache__").mkdir()
     (project / "mission" / "__pycache__" / "core.pyc").touch()
@@ -142,8 +140,20 @@ def test_what_is_built_is_old_when_a_source_has_changed_or_gone(project: Path) -
     assert len(set(digests)) == len(digests)
 
 
-def test_these_tests_try_the_packages_beside_them() -> None:
-    """Those are sources, or links to what is installed from the wheel."""
+def test_a_build_is_current_only_for_the_sources_that_it_was_made_of(
+    project: Path, tmp_path: Path
+) -> None:
+    tree = tmp_path / "build" / "compiled"
+    assert "no compiled build" in BUILD["outdated"](project, tree)
+    (tree / "wheel").mkdir(parents=True)
+    (tree / BUILD["MADE_OF"]).write_text(BUILD["digest"](project))
+    assert BUILD["outdated"](project, tree) == ""
+    (project / "links" / "__init__.py").write_text("changed")
+    assert "other sources" in BUILD["outdated"](project, tree)
+
+
+def test_the_tests_run_the_packages_beside_them() -> None:
+    """These are the sources, or links to what is installed from the wheel."""
     for name in PACKAGES:
         (place,) = importlib.import_module(name).__path__
         assert Path(place).resolve() == (ROOT / name).resolve()
@@ -161,7 +171,7 @@ print(distribution("auvmission").read_text("WHEEL"))
 """
 
 
-def test_a_compiled_test_tries_what_the_wheel_has_installed() -> None:
+def test_the_compiled_tests_run_what_the_wheel_has_installed() -> None:
     is_made()
     command = [PYTHON, "-c", WHERE]
     told = subprocess.run(command, cwd=TREE, capture_output=True, text=True, check=True)

@@ -1,32 +1,23 @@
-"""Where the compiled build stands, for the tests that compare both."""
+"""Where the compiled build is, for the tests that compare both builds."""
 
 from __future__ import annotations
 
 import os
+import runpy
 from pathlib import Path
-from typing import NoReturn
 
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
+BUILD = runpy.run_path(str(ROOT / "hatch_build.py"))
 TREE = ROOT / "build" / "compiled"
 PYTHON = TREE / ".venv" / "bin" / "python"
-PACKAGES = ("mission", "links", "protocol")
+PACKAGES: tuple[str, ...] = BUILD["PACKAGES"]
 
 
 def is_made() -> None:
-    """Skips, or fails where somebody asked for both builds, if it is not there or is old."""
-    if not PYTHON.exists():
-        _missing("no compiled build: make compiled")
-    if _sources(TREE) != _sources(ROOT):
-        _missing("the compiled build is of other sources: make compiled")
-
-
-def _sources(tree: Path) -> dict[Path, bytes]:
-    return {p.relative_to(tree): p.read_bytes() for n in PACKAGES for p in (tree / n).rglob("*.py")}
-
-
-def _missing(why: str) -> NoReturn:
-    if os.environ.get("AUVMISSION_COMPILED"):
-        pytest.fail(why)
-    pytest.skip(why)
+    """Skip the test if the build is missing or old; fail it if AUVMISSION_COMPILED asks for it."""
+    if why := BUILD["outdated"](ROOT, TREE):
+        if os.environ.get(BUILD["WANTED"]):
+            pytest.fail(why)
+        pytest.skip(why)
