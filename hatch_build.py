@@ -1,7 +1,7 @@
 """The compiled build: hatchling's hook for a wheel, and a tree in which that wheel is installed.
 
     AUVMISSION_COMPILED=1 pip install .        a wheel with compiled modules
-    python hatch_build.py build/compiled       that wheel in an environment, with the tests beside it
+    python hatch_build.py build/compiled       that wheel installed, with its tests beside it
 
 mypyc translates the modules that ``mission.model.compiled`` lists, and this machine's C compiler
 makes one extension of them all. Without the variable, or without a compiler, the wheel is pure
