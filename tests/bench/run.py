@@ -238,8 +238,6 @@ def table(
                     yield figure.line(build, values.get(figure.key))
     for module, build in (of for of, values in found.items() if values is None):
         yield f"{module}.py ended in an error on the {build} build\n"
-    if COMPILED not in (build for _, build in found):
-        yield "nothing was measured on the compiled build, which could not be made: see above\n"
 
 
 def main(names: list[str]) -> int:
@@ -262,6 +260,8 @@ def main(names: list[str]) -> int:
             found[bench.module, build] = reached(bench, *places[build])
             say(f"({time.perf_counter() - begun:.0f} s)\n")
     say("\n" + "".join(table(found, BENCHES)))
+    if COMPILED not in places:
+        say("the compiled build was not measured, because it could not be made: see above\n")
     return int(None in found.values())
 
 

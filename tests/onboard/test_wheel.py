@@ -182,6 +182,8 @@ def test_the_compiled_tests_run_what_the_wheel_has_installed() -> None:
         assert place.resolve().is_relative_to(installed), name
     assert "Root-Is-Purelib: false" in told.stdout
     assert "none-any" not in told.stdout
+    (made,) = TREE.glob("wheel/*.whl")
+    assert len(extensions(made)) == len(compiled.MODULES) + 1  # one has the code of all
     assert {path.name: path.is_symlink() for path in map(TREE.joinpath, PACKAGES)} == dict.fromkeys(
         PACKAGES, True
     )
