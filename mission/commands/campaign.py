@@ -152,12 +152,13 @@ def _generate(vehicle: str, seed: int, numbers: range, place: Place) -> list[Cla
 
     from mission.verification.workers import results
     from mission.verification.workers.outcome import had
-    from mission.verification.workers.progress import with_progress
+    from mission.verification.workers.progress import Progress
 
     tell = functools.partial(click.echo, err=True)
-    made = results(functools.partial(_generated, vehicle, seed), numbers, place)
+    progress = Progress(len(numbers), "missions generated", tell)
+    made = results(functools.partial(_generated, vehicle, seed), numbers, place, progress=progress)
     with _none_is_told():
-        return [*map(had, with_progress(made, len(numbers), "missions generated", tell))]
+        return [*map(had, made)]
 
 
 def _fly(jobs: Sequence[Job], place: Place, kept: Kept[Shown], *, with_stories: bool) -> _Tally:
@@ -166,12 +167,12 @@ def _fly(jobs: Sequence[Job], place: Place, kept: Kept[Shown], *, with_stories: 
 
     from mission.verification.workers import results
     from mission.verification.workers.outcome import Lost
-    from mission.verification.workers.progress import with_progress
+    from mission.verification.workers.progress import Progress
 
-    tally, tell = _Tally(), functools.partial(click.echo, err=True)
-    found = results(_show, jobs, place, _name, kept)
-    ended = with_progress(found, len(jobs), "flights", tell, kept.count)
-    for (claim, seed, number), shown in zip(jobs, ended, strict=True):
+    tally = _Tally()
+    progress = Progress(len(jobs), "flights", functools.partial(click.echo, err=True))
+    found = results(_show, jobs, place, _name, kept, progress)
+    for (claim, seed, number), shown in zip(jobs, found, strict=True):
         tally.take(shown)
         if isinstance(shown, Lost) or shown.violations or with_stories:
             click.echo(_story(claim, shown, seed, number))

@@ -168,16 +168,16 @@ def _by_chance(
     from mission.verification.bounds import at_most
     from mission.verification.campaign.faults import FlightResult
     from mission.verification.workers import results
-    from mission.verification.workers.progress import with_progress
+    from mission.verification.workers.progress import Progress
 
     work = functools.partial(_fly_calmly if calm else _fly_numbered, seed, known)
     asked = {"flights": "calm" if calm else "by chance", "seed": seed}
     if known[0].vehicle != "auv":
         asked["vehicle"] = known[0].vehicle
-    tell = functools.partial(click.echo, err=True)
+    progress = Progress(flights, "flights", functools.partial(click.echo, err=True))
     with where.keeping(asked, FlightResult) as kept:
-        found = results(work, range(flights), where.place, kept=kept)
-        for number, result in enumerate(with_progress(found, flights, "flights", tell, kept.count)):
+        found = results(work, range(flights), where.place, kept=kept, progress=progress)
+        for number, result in enumerate(found):
             again = _again(seed, str(number), calm, known)
             _take(totals, result, str(number), as_json, again)
     return {"at_most": at_most(totals.broken, totals.flights)}
@@ -213,16 +213,15 @@ def _search(
     import functools
 
     from mission.verification.campaign.search import Search, Searched, flown
-    from mission.verification.workers.progress import with_progress
+    from mission.verification.workers.progress import Progress
 
     search = Search(known)
-    tell = functools.partial(click.echo, err=True)
+    progress = Progress(flights, "flights", functools.partial(click.echo, err=True))
     asked = {"flights": "searched", "seed": seed}
     if known[0].vehicle != "auv":
         asked["vehicle"] = known[0].vehicle
     with where.keeping(asked, Searched) as kept:
-        found = flown(search, seed, flights, known, where.place, kept)
-        for name, result in with_progress(found, flights, "flights", tell, kept.count):
+        for name, result in flown(search, seed, flights, known, where.place, kept, progress):
             _take(totals, result, name, as_json, _again(seed, name, False, known))
     nearest = sorted(search.nearest.items())
     told = {law: {"seed": seed, "flight": near.name, "left": near.left} for law, near in nearest}

@@ -74,7 +74,7 @@ def rehearse(
     from mission.verification.rehearsing.report import as_object, as_text, report_of
     from mission.verification.simulation.flightlog import leg_names
     from mission.verification.workers.outcome import Lost
-    from mission.verification.workers.progress import with_progress
+    from mission.verification.workers.progress import Progress
 
     if output is not None and output.suffix.lower() not in (".png", ".svg", ".html"):
         raise click.UsageError(f"{output}: the suffix says what to write: .png, .svg or .html")
@@ -88,10 +88,10 @@ def rehearse(
     if settings:
         asked["set"] = " ".join(settings)
     with where.keeping(asked, Flown) as kept:
-        made = rehearsed(
-            prepared, vehicle, named, seed, flights, where.place, kept, floor, settings
+        progress, at = Progress(flights, "flights", tell), where.place
+        ended = list(
+            rehearsed(prepared, vehicle, named, seed, flights, at, kept, floor, settings, progress)
         )
-        ended = list(with_progress(made, flights, "flights", tell, kept.count))
     flown = [one for one in ended if isinstance(one, Flown)]
     for one in ended:
         if isinstance(one, Lost):

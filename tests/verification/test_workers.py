@@ -4,18 +4,23 @@ from __future__ import annotations
 
 import functools
 import json
+import math
 import os
 import platform
 import re
 import signal
 import subprocess
 import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from clusters import same_program
 from known_missions import KNOWN as SHIPPED
 from labour import Job, do
 from served import soon
@@ -27,7 +32,7 @@ from mission.verification.workers.code import code, difference
 from mission.verification.workers.kept import Unusable, keeping
 from mission.verification.workers.outcome import Lost, had
 from mission.verification.workers.places import Place, place
-from mission.verification.workers.progress import with_progress
+from mission.verification.workers.progress import Progress
 
 TWO = place("processes", 2)
 LOCAL = place("local")
@@ -77,6 +82,12 @@ def test_a_job_that_kills_its_processes_is_told_by_its_name(workers: int) -> Non
 
 
 @pytest.mark.proof
+def test_a_process_that_a_signal_without_a_name_kills_is_told_by_its_number() -> None:
+    lost = among_squares(("dies_of", 40))
+    assert lost == Lost("('dies_of', 40)", "killed by signal 40, then killed by signal 40")
+
+
+@pytest.mark.proof
 def test_a_job_that_hangs_is_tried_again_and_then_told(tmp_path: Path) -> None:
     at = place("processes", 2, patience=1.0)
     assert among_squares(("hangs_once", tmp_path), at) == "answered"
@@ -107,6 +118,44 @@ def test_a_job_that_raises_is_told_at_once_and_can_be_raised(at: Place, tmp_path
 @pytest.mark.proof
 def test_a_result_that_cannot_be_sent_is_told() -> None:
     assert "cannot be sent" in among_squares(("sends_what_cannot_be_sent", 0)).why
+
+
+@pytest.mark.proof
+def test_a_result_that_cannot_be_read_back_is_told() -> None:
+    """What reads it runs code of the result's own, here in the process of whoever wants it."""
+    why = among_squares(("sends_what_cannot_be_read", 0)).why
+    assert why == ("raised ValueError: the result cannot be read: LookupError: no such thing here")
+
+
+CHANGED = """import sys
+from pathlib import Path
+from clusters import heavier
+from labour import do
+from mission.verification.workers import working
+from mission.verification.workers.places import place
+if __name__ == "__main__":
+    tree, tries = map(Path, sys.argv[1:])
+    with working(do, place("processes", 1)) as batch:
+        print(list(batch([("square", 1)])), flush=True)
+        heavier(tree)
+        print(list(batch([("square", 2)])), flush=True)
+        print(list(batch([("dies_once", tries)])), flush=True)
+"""
+
+
+@pytest.mark.proof
+def test_a_process_that_begins_with_another_program_does_no_job(tmp_path: Path) -> None:
+    """The sources change while the first process lives; the one in its place would read them."""
+    tree, tries = same_program(tmp_path / "tree"), tmp_path / "tries"
+    tries.mkdir()
+    path = os.pathsep.join([str(tree), *(p for p in sys.path if p.endswith("worlds"))])
+    ran = subprocess.run(
+        [sys.executable, "-c", CHANGED, str(tree), str(tries)],
+        env={**os.environ, "PYTHONPATH": path}, cwd=tmp_path, capture_output=True, text=True,
+    )  # fmt: skip
+    assert ran.stdout.splitlines() == [str([do(("square", n))]) for n in (1, 2)]
+    assert re.search(r"Unreachable: the program was changed on the disk.*sources", ran.stderr)
+    assert len(list(tries.iterdir())) == 1
 
 
 def test_two_jobs_of_one_name_are_refused() -> None:
@@ -208,6 +257,79 @@ def test_a_file_of_something_else_is_refused_and_left_alone(content: str, tmp_pa
     assert file.read_text() == content
 
 
+@pytest.mark.parametrize("row", ["3", "[]", "{}", '{"flight": 1}', '{"violations": 2}', "null"])
+def test_a_file_with_a_row_of_another_shape_is_refused_before_any_job(
+    row: str, tmp_path: Path
+) -> None:
+    file = tmp_path / "kept.jsonl"
+    with keeping(file, ASKED, FlightResult) as kept:
+        kept.add("0", fly_numbered(9, 0, KNOWN))
+    with file.open("a") as more:
+        more.write(f'{{"job": "1", "result": {row}}}\n')
+    before = file.read_bytes()
+    with (
+        pytest.raises(Unusable, match=f"{file} is no file of results"),
+        keeping(file, ASKED, FlightResult),
+    ):
+        pass
+    assert file.read_bytes() == before
+
+
+def test_a_file_that_another_command_writes_to_is_refused_and_left_alone(tmp_path: Path) -> None:
+    file = tmp_path / "kept.jsonl"
+    with keeping(file, ASKED, float) as kept:
+        kept.add("a", 0.5)
+        with file.open("ab") as other:
+            other.write(b'{"job": "half')  # of a line that the other command is just writing
+        there = file.read_bytes()
+        with pytest.raises(Unusable, match=f"{file} is used by another command"):
+            kept_squares(file, SQUARES)
+        assert file.read_bytes() == there
+    assert kept_squares(file, SQUARES) == [do(square) for square in SQUARES]
+
+
+@pytest.mark.parametrize("pause", [0.0, math.inf])
+def test_results_are_on_the_disk_after_a_pause_and_at_the_end(
+    pause: float, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    file, sizes = tmp_path / "kept.jsonl", [0]
+    monkeypatch.setattr("os.fsync", lambda fd: sizes.append(os.fstat(fd).st_size))
+    monkeypatch.setattr("mission.verification.workers.kept.SYNC", pause)
+    with keeping(file, ASKED, float) as kept:
+        for job in "abc":
+            kept.add(job, 0.5)
+            assert pause or sizes[-1] == file.stat().st_size
+    assert sizes[-1] == file.stat().st_size > 0
+
+
+FULL = """import resource, runpy, sys
+resource.setrlimit(resource.RLIMIT_FSIZE, (int(sys.argv.pop(1)), resource.RLIM_INFINITY))
+runpy.run_module("mission", run_name="__main__", alter_sys=True)
+"""
+
+
+@pytest.mark.proof
+def test_a_disk_that_is_full_ends_a_command_and_costs_only_what_was_not_kept(
+    tmp_path: Path,
+) -> None:
+    file = tmp_path / "kept.jsonl"
+    call = ["faults", "--flights", "4", "--seed", "4", "--on", "local", "--resume", str(file)]
+    with keeping(file, {}, FlightResult) as kept:
+        kept.add("0", fly_numbered(4, 0, KNOWN))
+    room = file.stat().st_size + 100  # the head and one flight or two
+    file.unlink()
+    ran = subprocess.run(
+        [sys.executable, "-c", FULL, str(room), *call], capture_output=True, text=True
+    )
+    last = ran.stderr.splitlines()[-1]
+    assert (ran.returncode, last) == (2, f"Error: {file}: cannot be written: File too large")
+    kept_then = file.read_bytes().count(b"\n")
+    assert 1 < kept_then < 5
+    again = CliRunner().invoke(main, call)
+    anew = CliRunner().invoke(main, call[:-2])
+    assert (again.exit_code, again.stdout) == (anew.exit_code, anew.stdout)
+
+
 @pytest.mark.parametrize("file", ["nodir/kept.jsonl", "/proc/kept.jsonl", "."])
 def test_a_file_that_cannot_be_written_is_refused_before_any_job(
     file: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
@@ -266,8 +388,45 @@ def test_a_place_that_is_none_is_refused(on: str) -> None:
         place(on)
 
 
-def test_progress_tells_rate_and_time_left() -> None:
+class Backwards:
+    """A place where the last job ends first."""
+
+    @contextmanager
+    def doing(self, work: Callable[[Any], Any]) -> Iterator[Any]:
+        yield lambda jobs: ((name, work(job)) for name, job in reversed([*jobs]))
+
+
+def test_progress_counts_what_has_ended_behind_a_job_that_has_not(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("mission.verification.workers.progress.EVERY", 0.0)
     told: list[str] = []
-    assert list(with_progress(range(5), 5, "flights", told.append)) == [*range(5)]
-    assert [line.split(",")[0] for line in told] == ["5 of 5 flights"]
-    assert "a second, 0 s left" in told[-1]
+
+    def ends(number: int) -> int:
+        told.append(f"{number} ends")
+        return number
+
+    progress = Progress(3, "flights", lambda line: told.append(line.split(",")[0]))
+    found: list[Any] = list(results(ends, range(3), Backwards(), progress=progress))  # type: ignore[arg-type]
+    assert found == [0, 1, 2]
+    assert told == [
+        "2 ends", "1 of 3 flights", "1 ends", "2 of 3 flights", "0 ends", "3 of 3 flights",
+    ]  # fmt: skip
+
+
+def test_progress_tells_rate_and_time_left_of_what_is_really_done(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    clock = SimpleNamespace(monotonic=lambda: clock.now, now=0.0)
+    monkeypatch.setattr("mission.verification.workers.progress.time", clock)
+    told: list[str] = []
+
+    def takes_two_seconds(job: Job) -> float:
+        clock.now += 2.0
+        return do(job)
+
+    kept_squares(tmp_path / "kept.jsonl", SQUARES[:4])
+    progress = Progress(len(SQUARES), "squares", told.append)
+    with keeping(tmp_path / "kept.jsonl", ASKED, float) as kept:
+        list(results(takes_two_seconds, SQUARES, LOCAL, kept=kept, progress=progress))
+    assert told == [f"{n} of 8 squares, 0.5 a second, {16 - 2 * n} s left" for n in range(5, 9)]

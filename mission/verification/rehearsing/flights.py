@@ -28,6 +28,7 @@ from mission.verification.workers import results
 from mission.verification.workers.kept import Kept
 from mission.verification.workers.outcome import Lost
 from mission.verification.workers.places import Place
+from mission.verification.workers.progress import Progress
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,6 +84,7 @@ def rehearsed(
     kept: Kept[Flown] | None = None,
     bathymetry: str = "",
     given: tuple[str, ...] = (),
+    progress: Progress | None = None,
 ) -> Iterator[Flown | Lost]:
     """Yield the flights in the order of their numbers, wherever they are flown. ``bathymetry``: a
     file that every worker can read. ``given``: valid settings of every flight."""
@@ -91,7 +93,7 @@ def rehearsed(
         Job(prepared.text, prepared.source, vehicle, named, seed, number, bathymetry, given)
         for number in range(flights)
     ]
-    return results(_one, jobs, at, lambda job: f"flight {job.number}", kept)
+    return results(_one, jobs, at, lambda job: f"flight {job.number}", kept, progress)
 
 
 def _one(job: Job) -> Flown:

@@ -3,23 +3,28 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterable, Iterator
-from typing import TypeVar
+from collections.abc import Callable
 
 EVERY = 2.0  # s between two lines of progress, at least
-_R = TypeVar("_R")
 
 
-def with_progress(
-    found: Iterable[_R], total: int, word: str, tell: Callable[[str], None], kept: int = 0
-) -> Iterator[_R]:
-    """Pass results on and report progress. ``kept``: how many come from a file, without time."""
-    begun = told = time.monotonic()
-    for number, one in enumerate(found, 1):
-        yield one
+class Progress:
+    """Counts jobs that have ended, whichever they are: one that takes long holds back the results
+    of those after it, and not their number. ``tell``: called with each line."""
+
+    def __init__(self, total: int, word: str, tell: Callable[[str], None]) -> None:
+        self._total, self._word, self._tell = total, word, tell
+        self._ended = self._done = 0
+        self._begun = self._told = time.monotonic()
+
+    def count(self, *, kept: bool = False) -> None:
+        """Count one more job. ``kept``: its result is from a file, and took no time."""
+        self._ended += 1
+        self._done += not kept
         now = time.monotonic()
-        if now - told >= EVERY or number == total:
-            told = now
-            rate = max(number - kept, 1) / max(now - begun, 1e-3)
-            left = (total - number) / rate
-            tell(f"{number} of {total} {word}, {rate:.1f} a second, {left:.0f} s left")
+        if now - self._told >= EVERY or self._ended == self._total:
+            self._told = now
+            rate = max(self._done, 1) / max(now - self._begun, 1e-3)
+            left = (self._total - self._ended) / rate
+            ended = f"{self._ended} of {self._total} {self._word}"
+            self._tell(f"{ended}, {rate:.1f} a second, {left:.0f} s left")
