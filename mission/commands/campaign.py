@@ -1,4 +1,4 @@
-"""`auvmission campaign`: missions that the check passed, flown against what it proved."""
+"""`auvmission campaign`: fly missions that the check passed, to test the bounds it proved."""
 
 from __future__ import annotations
 
@@ -60,12 +60,12 @@ def campaign(
     show: bool,
     where: Where,
 ) -> None:
-    """Fly missions within what the check assumed: never past what it proved.
+    """Fly missions within what the check assumed, and report flights beyond what it proved.
 
     Current, start, compass, speed and floor are random within the assumptions; sensors fail and
-    links are lost. Each counterexample is told with the command that flies it again: exit 1. The
-    last line of stdout is one JSON object; its `at_most` bounds the probability that a flight drawn
-    like these gets past what was proved (exact binomial, 95 %).
+    links are lost. Each counterexample is printed with the command that flies it again; exit 1 if
+    there is one. The last line of stdout is one JSON object. Its `at_most` bounds the probability
+    that a flight drawn like these exceeds a proved bound (exact binomial, 95 %).
     """
     import json
     import sys
@@ -116,7 +116,7 @@ def _refuse_unknown(vehicle: str) -> None:
 
 
 def _said(number: int | None) -> list[Claim]:
-    """The mission of this word, or those of all."""
+    """The mission of the word with this number; None: the missions of all words."""
     from mission.model.shipped import load_vehicle
     from mission.verification.campaign.withheld import claims
 
@@ -162,7 +162,7 @@ def _generate(vehicle: str, seed: int, numbers: range, place: Place) -> list[Cla
 
 
 def _fly(jobs: Sequence[Job], place: Place, kept: Kept[Shown], *, with_stories: bool) -> _Tally:
-    """Prints the story of each flight that broke something or was lost, or of all."""
+    """Fly. Print the story of each flight with a violation, of lost ones, or of all."""
     import functools
 
     from mission.verification.workers import results
@@ -181,7 +181,7 @@ def _fly(jobs: Sequence[Job], place: Place, kept: Kept[Shown], *, with_stories: 
 
 @dataclass(slots=True)
 class _Tally:
-    """``greatest_share``: of what the check proved, how much some flight needed."""
+    """The totals. ``greatest_share``: the greatest share of a proved bound that a flight needed."""
 
     missions: int = 0
     flights: int = 0
@@ -223,7 +223,7 @@ class _Tally:
 
 
 def _claim(path: Path, vehicle: str) -> Claim:
-    """On ``vehicle``; the AUV stands for the mission's own."""
+    """The claim of a mission file, on ``vehicle``; ``auv`` means the mission's own vehicle."""
     from dataclasses import replace
 
     from mission.authoring.prepare import check_prepared, prepare
@@ -259,7 +259,7 @@ def _show(job: Job) -> Shown:
 
 
 def _name(job: Job) -> str:
-    """With what the flight follows from, but the seed."""
+    """The name of a job: all that determines its flight, except the seed."""
     from mission.authoring.language import digest
 
     claim, _, flight = job

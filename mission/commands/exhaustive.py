@@ -1,4 +1,4 @@
-"""``auvmission exhaustive``: every state of every mission, every event. Exit 0, 1, 2."""
+"""``auvmission exhaustive``: try every event in every state of missions. Exit 0, 1, 2."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import click
 from mission.commands.jobs import Where, job_options
 from mission.commands.options import VEHICLE_NAME
 
-SHARE = 20.0  # a mission on a profile takes as long as so many flights, at most
+SHARE = 20.0  # a mission on a profile takes at most as long as so many flights
 
 
 @click.command()
@@ -23,8 +23,8 @@ def exhaustive(
 ) -> None:
     """Cross every configuration of MISSIONS with every event.
 
-    Without MISSIONS, all shipped ones that fly on the vehicle. Without --vehicle the one that each
-    mission names, else the AUV, in both of its profiles. The bytes are those of the vehicle's own
+    Without MISSIONS: all shipped ones that fly on the vehicle. Without --vehicle: the one that each
+    mission names, else the AUV, in both of its profiles. The bytes are as in the vehicle's own
     document. The last line of stdout is one JSON object.
     """
     import json

@@ -1,4 +1,4 @@
-"""The options of commands whose work is many jobs, and where those are done."""
+"""The options of commands that run many jobs, and where the jobs run."""
 
 from __future__ import annotations
 
@@ -40,19 +40,19 @@ _RESUME = click.option(
 
 @dataclass(frozen=True, slots=True)
 class Where:
-    """What the options say."""
+    """The values of the options."""
 
     place: Place
     resume: Path | None
 
     def lasting(self, factor: float) -> Where:
-        """For jobs that each last as long as ``factor`` others."""
+        """The same for jobs that each last as long as ``factor`` others."""
         return Where(replace(self.place, patience=factor * self.place.patience), self.resume)
 
     @contextmanager
     def keeping(self, asked: Mapping[str, Any], kind: Any) -> Iterator[Kept[Any]]:
-        """``asked``: what results follow from, plain; ``kind``: their type. What stands in the way
-        of beginning at all: exit 2."""
+        """Keep results in the file of ``--resume``. ``asked``: all that they depend on, as plain
+        values; ``kind``: their type. Exit 2 if the file or the place of the jobs is unusable."""
         from mission.verification.workers.kept import Unusable, keeping
         from mission.verification.workers.outcome import Unreachable
 
@@ -68,7 +68,7 @@ class _Refused(click.ClickException):
 
 
 def job_options(command: Callable[..., None]) -> Callable[..., None]:
-    """``--on``, ``--workers``, ``--patience`` and ``--resume``, given as ``where``."""
+    """Add ``--on``, ``--workers``, ``--patience`` and ``--resume``; the command gets ``where``."""
 
     @functools.wraps(command)
     def called(

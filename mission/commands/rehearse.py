@@ -1,4 +1,4 @@
-"""``auvmission rehearse``: a mission flown in many seas that it assumes. Exit 0, 1, 2."""
+"""``auvmission rehearse``: fly a mission in many seas that it assumes. Exit 0, 1, 2."""
 
 from __future__ import annotations
 
@@ -55,15 +55,15 @@ def rehearse(
     as_json: bool,
     where: Where,
 ) -> None:
-    """Fly MISSION many times, each in a sea drawn from what it assumes and the vehicle file says.
+    """Fly MISSION many times, each in a sea drawn from its assumptions and the vehicle file.
 
-    Tells how probably it is completed, the spreads of time, energy, position error and coverage,
-    where it comes up (with the regions that hold 50, 90 and 99 % of the flights, for the boat),
-    which legs no flight came to, which limits came near, and the worst ten with the command that
-    flies each again. The same seed tells the same. What --set gives is the same in all flights, and
-    nothing is drawn for it: an assumption changed, or a fault. With --bathymetry the sea floor
-    follows the file, and the least water under the vehicle is told, with how many flights ran
-    aground.
+    Prints the probability that it is completed; the spreads of time, energy, position error and
+    coverage; where it surfaces (with the regions that hold 50, 90 and 99 % of the flights, for the
+    boat); legs that no flight reached; limits that came near; and the worst ten flights, with the
+    command that flies each again. The same seed gives the same result. A value of --set, a changed
+    assumption or a fault, is the same in all flights and is not drawn. With --bathymetry the sea
+    floor follows the file; the least water under the vehicle and the number of flights that ran
+    aground are printed too.
 
     Exit 0 if all were completed, 1 if not, 2 if MISSION cannot be read, or flown at all.
     """
@@ -110,7 +110,7 @@ def rehearse(
 def _read(
     mission: Path, vehicle: str | None, parameters: Sequence[str], as_json: bool
 ) -> tuple[dict[str, str], Prepared]:
-    """The parameters by name, and the mission. What cannot be read ends the command with 2."""
+    """The parameters by name, and the mission. Exit 2 if they cannot be read."""
     from mission.authoring.prepare import Unreadable, parameters_of, prepare
 
     try:
@@ -122,7 +122,7 @@ def _read(
 
 
 def _can_be_set(settings: Sequence[str], vehicle: Vehicle) -> None:
-    """What is no setting, or cannot be on this vehicle, ends the command with 2."""
+    """Exit 2 if a text is no setting, or not one for this vehicle."""
     from links.simulated.settings import SettingError, parse_settings
     from mission.verification.rig.vehicle import simulated
 
@@ -134,7 +134,7 @@ def _can_be_set(settings: Sequence[str], vehicle: Vehicle) -> None:
 
 
 def _again(mission: Path, vehicle: str | None, parameters: Sequence[str]) -> str:
-    """The mission as the shell is told of it, with what makes it the one that was flown."""
+    """The arguments, quoted for the shell, that give the same mission again."""
     import shlex
 
     named = [word for text in parameters for word in ("--param", text)]
@@ -142,8 +142,8 @@ def _again(mission: Path, vehicle: str | None, parameters: Sequence[str]) -> str
 
 
 def _asked_of(bathymetry: Path | None) -> dict[str, str]:
-    """What tells one file of depths from another, where results are kept. A file that cannot be
-    read ends the command with 2."""
+    """The digest of the depth file, to tell kept results of different files apart. Exit 2 if the
+    file cannot be read."""
     from hashlib import sha256
 
     if bathymetry is None:
@@ -155,7 +155,7 @@ def _asked_of(bathymetry: Path | None) -> dict[str, str]:
 def _write(
     output: Path, report: Rehearsal, flown: Sequence[Flown], source: str, seed: int, name: str
 ) -> None:
-    """The page or the picture, as the suffix says."""
+    """Write the page or the picture, by the suffix."""
     from mission.verification.rehearsing.page import html_page
     from mission.verification.rehearsing.picture import draw_rehearsal
 
