@@ -5,7 +5,8 @@ or runs out of memory is known, and no other process shares a lock with it. The 
 in another process. The processes end with their parent, however that ends.
 
 A process reads the program from the disk when it begins, and a lost one is replaced. So each first
-reports its program, and one that runs another program than the caller ends the work.
+reports its program before it receives a job, and one that runs another program than the caller
+ends the work.
 """
 
 from __future__ import annotations
@@ -144,14 +145,21 @@ class _Worker(Generic[_J]):
             process.start()
 
     def give(self, attempt: _Attempt[_J]) -> None:
+        """Send the job; to a process that has not reported its program yet, once it has."""
         self.attempt, self.busy = attempt, True
-        self.until = time.monotonic() + (self._patience if self._begun else BEGINNING)
+        if self._begun:
+            self._send()
+        else:
+            self.until = time.monotonic() + BEGINNING
+
+    def _send(self) -> None:
+        self.until = time.monotonic() + self._patience
         with suppress(OSError):  # it has died meanwhile, which its pipe will show
-            self.connection.send(attempt.job)
+            self.connection.send(self.attempt.job)
 
     def take(self) -> tuple[Any, str]:
         """Return the result or Lost, and ""; or None, and how the process ended. None and "" of a
-        worker that is still busy: the process has just started, and begins its job now."""
+        worker that is still busy: the process has just started, and receives its job now."""
         if not self.connection.poll():
             self.kill()
             return None, "hung"
@@ -161,7 +169,8 @@ class _Worker(Generic[_J]):
             return None, self._last_word()
         if not self._begun:
             _refuse_other_program(pickle.loads(received))
-            self._begun, self.until = True, time.monotonic() + self._patience
+            self._begun = True
+            self._send()
             return None, ""
         self.busy = False
         return read(self.attempt.name, received), ""
