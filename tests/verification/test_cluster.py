@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 from clusters import UNFORGIVING, scheduling, worker
 from known_missions import KNOWN as SHIPPED
-from labour import Job, do
+from labour import Job, do, lives
 from served import soon
 
 from mission.verification.campaign.faults import fly_numbered
@@ -27,12 +27,6 @@ def among_squares(job: Job, at: Place) -> Any:
     outcome = found.pop(4)
     assert found == [do(square) for square in SQUARES]
     return outcome
-
-
-def lives(folder: Path) -> bool:
-    """Whether the process that has noted itself there does."""
-    (note,) = folder.iterdir()
-    return Path(f"/proc{note.suffix.replace('.', '/')}").exists()
 
 
 @pytest.mark.proof

@@ -122,6 +122,12 @@ def noted(folder: Path) -> int:
     return len(list(folder.iterdir()))
 
 
+def lives(folder: Path) -> bool:
+    """Whether the process that has tried it there does."""
+    (note,) = folder.iterdir()
+    return Path("/proc", note.suffix[1:]).exists()
+
+
 def tells_its_process(folder: Path) -> int:
     noted(folder)
     return os.getpid()
