@@ -25,6 +25,8 @@ _LOG = logging.getLogger("auvmission")
 def joined(address: str) -> Iterator[distributed.Client]:
     """Yield a connection to the scheduler at HOST:PORT, which has workers that can be used. Raises
     Unreachable."""
+    for name in ("distributed", "distributed.client"):  # Unreachable says it all
+        logging.getLogger(name).setLevel(logging.CRITICAL)
     url = url_of(address)
     client = _connected(url)
     try:
