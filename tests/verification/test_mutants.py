@@ -59,6 +59,7 @@ def tried(tree: Path, *options: str) -> list[str]:
 
 
 @pytest.mark.proof
+@pytest.mark.replaces
 def test_mutants_are_noticed_alike_wherever_they_are_tried(
     tree: Path, address: str, tmp_path: Path
 ) -> None:
@@ -81,6 +82,7 @@ def test_a_program_runs_with_the_files_that_travel() -> None:
     assert not run_copied(archive, ("-c", "raise SystemExit(3)")).well
 
 
+@pytest.mark.proof
 def test_a_program_ends_with_its_worker(tmp_path: Path) -> None:
     """The worker is killed, and can tell it nothing."""
     note = tmp_path / "note"
