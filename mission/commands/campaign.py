@@ -1,4 +1,4 @@
-"""`auvmission campaign`: missions that the check passed, flown against what it proved."""
+"""`auvmission campaign`: fly missions that the check passed, to test the bounds it proved."""
 
 from __future__ import annotations
 
@@ -76,13 +76,13 @@ def campaign(
     show: bool,
     where: Where,
 ) -> None:
-    """Fly missions within what the check assumed: never past what it proved.
+    """Fly missions within what the check assumed, and report flights beyond what it proved.
 
     Current, start, compass, speed and floor are random within the assumptions; sensors fail and
-    links are lost. Each counterexample is told with the command that flies it again: exit 1. The
-    last line of stdout is one JSON object; its `at_most` bounds the probability that a flight drawn
-    like these gets past what was proved (exact binomial, 95 %); a flight that is `undone` counts
-    there as if it had.
+    links are lost. Each counterexample is printed with the command that flies it again; exit 1 if
+    there is one. The last line of stdout is one JSON object. Its `at_most` bounds the probability
+    that a flight drawn like these exceeds a proved bound (exact binomial, 95 %); a flight that is
+    `undone` counts as if it had.
     """
     import json
     import sys
@@ -147,7 +147,7 @@ def _refuse_unknown(vehicle: str) -> None:
 
 
 def _said(number: int | None) -> list[Subject]:
-    """The mission of this word, or those of all."""
+    """The mission of the word with this number; None: the missions of all words."""
     from mission.model.shipped import load_vehicle
     from mission.verification.campaign.withheld import claims
 
@@ -174,7 +174,7 @@ def _print(vehicle: str, seed: int, number: int) -> None:
 def _fly(
     seed: int, jobs: Sequence[Job], place: Place, kept: Kept[Shown], *, with_stories: bool
 ) -> _Tally:
-    """Prints the story of each flight that broke something or was lost, or of all."""
+    """Fly. Print the story of each flight with a violation, of lost ones, or of all."""
     import functools
 
     from mission.verification.workers import results
@@ -193,7 +193,7 @@ def _fly(
 
 @dataclass(slots=True)
 class _Tally:
-    """``greatest_share``: of what the check proved, how much some flight needed."""
+    """The totals. ``greatest_share``: the greatest share of a proved bound that a flight needed."""
 
     missions: int = 0
     flights: int = 0
@@ -236,8 +236,8 @@ class _Tally:
 
 
 def _subject(path: Path, vehicle: str) -> Subject:
-    """On ``vehicle``; the AUV stands for the mission's own. Raises Unreadable, and ValueError for a
-    mission that the check refuses."""
+    """The mission of a file on ``vehicle``; ``auv`` means the mission's own. Raises Unreadable, and
+    ValueError for a mission that the check refuses."""
     from dataclasses import replace
 
     from mission.authoring.prepare import check_prepared, prepare
@@ -271,7 +271,8 @@ def _generated(subject: Subject, seed: int) -> Claim:
 
 
 def _name(job: Job) -> str:
-    """With what the flight follows from, but the seed and the vehicle of what is generated."""
+    """The name of a job: all that determines its flight, except the seed and the vehicle of a
+    generated mission."""
     from mission.authoring.language import digest
     from mission.verification.workers.contents import contents
 

@@ -1,4 +1,4 @@
-"""``auvmission exhaustive``: every state of every mission, every event. Exit 0, 1, 2."""
+"""``auvmission exhaustive``: try every event in every state of missions. Exit 0, 1, 2."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from mission.verification.exhaustive.run import Share
     from mission.verification.workers.outcome import Lost
 
-SHARE = 20.0  # a mission on a profile takes as long as so many flights, at most
+SHARE = 20.0  # a mission on a profile takes at most as long as so many flights
 
 
 @click.command()
@@ -29,9 +29,9 @@ def exhaustive(
 ) -> None:
     """Cross every configuration of MISSIONS with every event.
 
-    Without MISSIONS, all shipped ones that fly on the vehicle. Without --vehicle the one that each
-    mission names, else the AUV, in both of its profiles. The bytes are those of the vehicle's own
-    document. A mission without a result is told with the command that examines it again, and
+    Without MISSIONS: all shipped ones that fly on the vehicle. Without --vehicle: the one that each
+    mission names, else the AUV, in both of its profiles. The bytes are as in the vehicle's own
+    document. A mission without a result is printed with the command that examines it again, and
     counts as `undone`. The last line of stdout is one JSON object.
     """
     import json

@@ -1,4 +1,4 @@
-"""`auvmission faults`: seeded flights with faults of everything, and what became of them."""
+"""`auvmission faults`: seeded flights with faults of everything, judged by the laws."""
 
 from __future__ import annotations
 
@@ -63,19 +63,19 @@ def faults(
 ) -> None:
     """Fly the shipped missions with faults of vehicle, links, operators and program.
 
-    Zero vehicles lost, zero limits overrun, zero commands that nothing asked for: exit 0. Each
-    flight that fails is told with the command that flies it again: exit 1. The last line of
-    stdout is one JSON object.
+    Exit 0: no vehicle lost, no limit overrun, no command without a cause. Exit 1: a flight failed;
+    each is printed with the command that flies it again. The last line of stdout is one JSON
+    object.
 
-    With --search the flights go where the margins to the laws are small; they have names instead of
-    numbers, and the object also says which came nearest to each law. With --broken one safety rule
-    (or all, one after the other) is broken in the running program, and flights are flown until one
-    notices: exit 0 if all are noticed but those with a reason.
+    --search steers the flights to where the margins to the laws are small. They have names instead
+    of numbers, and the object also says which came nearest to each law. --broken breaks one safety
+    rule (or all, one after the other) in the running program, and flies until a flight notices:
+    exit 0 if all are noticed, except rules with a stated reason.
 
-    With --calm nothing is disturbed but by currents and noise: what a limit ends is a false alarm.
+    With --calm there are only currents and noise: a flight that a limit ends is a false alarm.
 
-    With --vehicle the missions that fly on another vehicle, with what can fail of its board; its
-    words are those of its own document, and so are the laws of what it may be told.
+    --vehicle flies the missions of another vehicle, with the faults of its board. Commands, and the
+    laws on what it may be sent, are those of its own document.
 
     `at_most` bounds the probability that a flight drawn like these breaks a law (exact binomial,
     95 %); a flight that is `undone` counts as if it had. `digest` is the same wherever the same
@@ -135,7 +135,7 @@ def _refuse_unused(
 
 
 def _known(vehicle: str) -> tuple[Subject, ...]:
-    """What flies. Raises click.BadParameter."""
+    """The missions of the vehicle. Raises click.BadParameter."""
     from mission.verification.campaign.faults import fitting, shipped, subjects
     from mission.verification.rig.speech import MOTION
 
@@ -149,7 +149,7 @@ def _known(vehicle: str) -> tuple[Subject, ...]:
 
 
 def _plan(flight: str, seed: int, known: Sequence[Subject], calmly: bool) -> Plan:
-    """A number is a flight by chance, or without faults, a name one of a search."""
+    """The plan of a flight. A number is a random flight, or a calm one; a name is of a search."""
     from mission.verification.campaign.calm import calm
     from mission.verification.campaign.draw import draw
     from mission.verification.campaign.steered import plan_of
@@ -189,8 +189,8 @@ def _by_chance(
     calm: bool,
     as_json: bool,
 ) -> dict[str, Any]:
-    """What the object says beside the totals: how seldom a flight breaks a law. A flight without a
-    result counts as if it had."""
+    """Return the values beside the totals: a bound on the share of flights that break a law. A
+    flight without a result counts as if it had."""
     import functools
 
     from mission.verification.bounds import at_most
@@ -238,7 +238,7 @@ def _search(
     known: Sequence[Subject],
     as_json: bool,
 ) -> dict[str, Any]:
-    """What the object says beside the totals: which flights came nearest."""
+    """Return the values beside the totals: which flights came nearest to each law."""
     import functools
 
     from mission.verification.campaign.search import Search, Searched, flown
@@ -283,8 +283,8 @@ def _fly_plan(plan: Plan, recorder: Callable[[], Recorder | None], calmly: bool)
 def _recorders(
     folder: Path | None, plan: Plan, name: str
 ) -> Iterator[Callable[[], Recorder | None]]:
-    """A black box for each life of the program, all of them whole and closed at the end, with sea
-    and seed; what went wrong is told beside them, for whoever has first read what they say."""
+    """Make a black box for each life of the program. At the end all are complete and closed, with
+    notes of sea and seed. Only the story names the faults, so that a reader may judge without."""
     if folder is None:
         yield lambda: None
         return

@@ -1,4 +1,4 @@
-"""The options of commands whose work is many jobs, and where those are done."""
+"""The options of commands that run many jobs, and where the jobs run."""
 
 from __future__ import annotations
 
@@ -40,14 +40,14 @@ _RESUME = click.option(
 
 @dataclass(frozen=True, slots=True)
 class Where:
-    """What the options say. ``given``: those that were given, as they are written."""
+    """The values of the options. ``given``: the options that were given, as written."""
 
     place: Place
     resume: Path | None
     given: tuple[str, ...] = ()
 
     def lasting(self, factor: float) -> Where:
-        """For jobs that each last as long as ``factor`` others."""
+        """The same for jobs that each last as long as ``factor`` others."""
         return replace(self, place=replace(self.place, patience=factor * self.place.patience))
 
     def refuse(self, why: str, instead: str = "") -> None:
@@ -57,8 +57,8 @@ class Where:
 
     @contextmanager
     def keeping(self, asked: Mapping[str, Any], kind: Any) -> Iterator[Kept[Any]]:
-        """``asked``: what results follow from, plain; ``kind``: their type. What stands in the way
-        of beginning at all: exit 2."""
+        """Keep results in the file of ``--resume``. ``asked``: all that they depend on, as plain
+        values; ``kind``: their type. Exit 2 if the file or the place of the jobs is unusable."""
         from mission.verification.workers.kept import Unusable, keeping
         from mission.verification.workers.outcome import Unreachable
 
@@ -74,7 +74,7 @@ class _Refused(click.ClickException):
 
 
 def job_options(command: Callable[..., None]) -> Callable[..., None]:
-    """``--on``, ``--workers``, ``--patience`` and ``--resume``, given as ``where``."""
+    """Add ``--on``, ``--workers``, ``--patience`` and ``--resume``; the command gets ``where``."""
 
     @functools.wraps(command)
     def called(

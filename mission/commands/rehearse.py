@@ -1,4 +1,4 @@
-"""``auvmission rehearse``: a mission flown in many seas that it assumes. Exit 0, 1, 2."""
+"""``auvmission rehearse``: fly a mission in many seas that it assumes. Exit 0, 1, 2."""
 
 from __future__ import annotations
 
@@ -56,18 +56,18 @@ def rehearse(
     as_json: bool,
     where: Where,
 ) -> None:
-    """Fly MISSION many times, each in a sea drawn from what it assumes and the vehicle file says.
+    """Fly MISSION many times, each in a sea drawn from its assumptions and the vehicle file.
 
-    Tells how probably it is completed, the spreads of time, energy, position error and coverage,
-    where it comes up (with the regions that hold 50, 90 and 99 % of the flights, for the boat),
-    which legs no flight came to, which limits came near, and the worst ten with the command that
-    flies each again. The same seed tells the same. What --set gives is the same in all flights, and
-    nothing is drawn for it: an assumption changed, or a fault. With --bathymetry the sea floor
-    follows the file, and the least water under the vehicle is told, with how many flights ran
-    aground.
+    Prints the probability that it is completed; the spreads of time, energy, position error and
+    coverage; where it surfaces (with the regions that hold 50, 90 and 99 % of the flights, for the
+    boat); legs that no flight reached; limits that came near; and the worst ten flights, with the
+    command that flies each again. The same seed gives the same result. A value of --set, a changed
+    assumption or a fault, is the same in all flights and is not drawn. With --bathymetry the sea
+    floor follows the file; the least water under the vehicle and the number of flights that ran
+    aground are printed too.
 
-    A flight without a result is told with the command that flies it again, and counts as `undone`:
-    each interval holds whatever it would have come to.
+    A flight without a result is printed with the command that flies it again, and counts as
+    `undone`: each interval holds whatever its result would have been.
 
     Exit 0 if all were completed, 1 if not, 2 if MISSION cannot be read, or flown at all.
     """
@@ -101,7 +101,7 @@ def rehearse(
 
 
 def _fly(of: Rehearsed, flights: int, where: Where, source: str) -> list[Flown | Lost]:
-    """Fly, and tell each flight without a result with the command that flies it again."""
+    """Fly. Print each flight without a result, with the command that flies it again."""
     import functools
 
     from mission.verification.rehearsing.flights import Flown, rehearsed
@@ -120,7 +120,7 @@ def _fly(of: Rehearsed, flights: int, where: Where, source: str) -> list[Flown |
 
 
 def _asked(of: Rehearsed) -> dict[str, object]:
-    """What results follow from, beside the program."""
+    """All that determines the results, except the program."""
     from dataclasses import fields
 
     from mission.verification.workers.contents import contents
@@ -139,7 +139,7 @@ def _asked(of: Rehearsed) -> dict[str, object]:
 
 
 def _read(mission: Path, vehicle: str | None, parameters: Sequence[str], as_json: bool) -> Prepared:
-    """What cannot be read ends the command with 2."""
+    """Read the mission. Exit 2 if it cannot be read."""
     from mission.authoring.prepare import Unreadable, parameters_of, prepare
 
     try:
@@ -150,7 +150,7 @@ def _read(mission: Path, vehicle: str | None, parameters: Sequence[str], as_json
 
 
 def _can_be_set(settings: Sequence[str], vehicle: Vehicle) -> None:
-    """What is no setting, or cannot be on this vehicle, ends the command with 2."""
+    """Exit 2 if a text is no setting, or not one for this vehicle."""
     from links.simulated.settings import SettingError, parse_settings
     from mission.verification.rig.vehicle import simulated
 
@@ -164,7 +164,7 @@ def _can_be_set(settings: Sequence[str], vehicle: Vehicle) -> None:
 def _source(
     mission: Path, vehicle: str | None, parameters: Sequence[str], bathymetry: Path | None
 ) -> str:
-    """The mission as the shell is told of it, with what makes it the one that was flown."""
+    """The arguments, quoted for the shell, that give the same mission again."""
     import shlex
 
     options = [("--param", text) for text in parameters]
@@ -176,7 +176,7 @@ def _source(
 def _write(
     output: Path, report: Rehearsal, flown: Sequence[Flown], source: str, seed: int, name: str
 ) -> None:
-    """The page or the picture, as the suffix says."""
+    """Write the page or the picture, by the suffix."""
     from mission.verification.rehearsing.page import html_page
     from mission.verification.rehearsing.picture import draw_rehearsal
 

@@ -1,10 +1,11 @@
-"""Where the mission's areas let no vehicle be, none stays autonomous by its own estimate (R5).
+"""The law of the mission's areas: no vehicle stays autonomous where its estimate breaks one (R5).
 
-    breached   in an area that is kept out of, or out of all that are kept in, for more reports
-               than the limit takes: an emergency
-    doubted    as far as 95 % of the estimate reach: another leg, unless it is on its way up
+    breached   the estimate is in a keep-out area, or outside all keep-in areas, for more reports
+               than the limit takes: an emergency must follow
+    doubted    the 95 % ellipse of the estimate reaches an edge: another leg must follow, unless
+               the vehicle is on its way up
 
-Judged with another geometry than the engine's: rays and sampled ellipses.
+The law uses another geometry than the engine: winding angles and sampled ellipses.
 
 What does not live here: the radius (limit_laws, laws), what is proved before the dive (check).
 """
@@ -22,9 +23,9 @@ from mission.verification.campaign.limit_laws import UNANSWERED
 from mission.verification.campaign.story import Stay, Story
 
 _REPORTS = 4  # two samples, and two that noise may cost
-_SPARE = 1.0  # m of depth: the sensor's, and what the truth moves between two reports
-_RING = 24  # places on the ellipse that is looked at
-_CLEAR = 2.0  # sigmas: 2.45 hold 95 %; nearer is certainly not clear
+_SPARE = 1.0  # m of depth: sensor error, and motion between two reports
+_RING = 24  # points that are sampled on the ellipse
+_CLEAR = 2.0  # sigmas: 95 % are 2.45; an edge within 2 is certainly not clear
 Point = tuple[float, float]
 
 
@@ -53,7 +54,7 @@ def _answers(story: Story, stay: Stay, fences: Sequence[Fence]) -> Iterator[Viol
 
 
 def against(fences: Sequence[Fence], here: Point, depth: float, spare: float = 0.0) -> bool:
-    """Whether a place breaks them by ``spare`` m of depth at least."""
+    """Whether a place (m north, m east of home) breaks a fence by at least ``spare`` m of depth."""
     counting = [f for f in fences if _counts(f, depth, spare)]
     if any(f.area.out and _winds(f.polygon, here) for f in counting):
         return True
@@ -68,7 +69,7 @@ def _counts(fence: Fence, depth: float, spare: float) -> bool:
 
 
 def _winds(polygon: Sequence[Point], here: Point) -> bool:
-    """By the angle that the corners turn about a place."""
+    """Whether the polygon encloses a place, by the angle that its corners turn about the place."""
     turned = 0.0
     for a, b in zip(polygon, (*polygon[1:], polygon[0]), strict=True):
         one = math.atan2(a[1] - here[1], a[0] - here[0])

@@ -1,24 +1,25 @@
 """The audit of every byte that went to the STM32: who asked for it?
 
-A frame is asked for by a Step on record, or by an operator's own bytes; reasons in the Tx are not
-looked at. The rules, in the order of the events:
+A frame is asked for by a recorded Step, or by an operator's own bytes. The audit ignores the
+reasons in the Tx. It applies these rules in the order of the events:
 
-    @ZA...   belongs to the command of the newest Step that has one: each of its frames at most
-             three times (R1). A newer set leaves the frame before it only its tries, a newer
-             order or the stick nothing (R6, R7). None while the stick is held.
-    @M @D @R was said by an operator within the last ``RELAYED`` s, and ``UNHEARD`` s for each of
-             those that waited before it, which may not be answered; each byte for byte and once;
-             @M only while the stick has the vehicle.
-    a Step   that commands must be allowed to where it happens: a set only in a leg; the stop of
-             ``stopped`` needs an X, surfacing a W, a limit, a restart, an ordered end or a
-             forgotten stick, manual an M, a start an @AA that is no copy by modem (R12). The stick
-             is as silent as who holds it, whatever others or a modem say (R6, R12). A stop is
-             repeated only until the STM32 acknowledged it, when a report says that a thruster
-             turns all the same, or when the line was away. What acknowledges while two frames or
-             more may still be answered need not be believed: it may be the older one's.
+    @ZA...   It belongs to the command of the newest Step that has one. Each frame of that command
+             leaves at most three times (R1). A newer set leaves an older frame only its remaining
+             tries; a newer order or the stick leaves it none (R6, R7). No @ZA leaves while the
+             stick is held.
+    @M @D @R An operator sent it within the last ``RELAYED`` s, plus ``UNHEARD`` s for each relay
+             that waited before it and may stay unanswered. It leaves once, byte for byte. An @M
+             leaves only while the stick has the vehicle.
+    a Step   Its state must allow its command: a set only in a leg. ``stopped`` needs an X;
+             surfacing a W, a limit, a restart, an ordered end or a forgotten stick; manual an M;
+             a start an @AA that is no copy by modem (R12). Only an M of the stick's holder keeps
+             the stick alive, not one of others or by modem (R6, R12). A stop is repeated only
+             until the STM32 acknowledges it, after a report shows that a thruster still turns,
+             or after the line was disconnected. While two or more frames may still be answered,
+             an acknowledgement need not be believed: it may answer the older frame.
 
-What does not live here: whether a limit was right to act (the engine's tests), what may not come
-of a flight (laws).
+What does not live here: whether a limit was right to act (the engine's tests), outcomes that a
+flight must not have (laws).
 """
 
 from __future__ import annotations
@@ -58,12 +59,12 @@ _STOPS = (
     MANUAL_WAITING,
     IDLE_READY,
     SURFACED,
-)  # acknowledged anew in each
+)  # each needs an acknowledged stop of its own
 TRIES = 3  # R1
-ANSWER = 0.3  # s after which a frame is answered no more (R1)
-UNHEARD, MOST = 2.0, 32  # s from one relay to the next without an answer (R7); that may wait
-RELAYED = 10.0  # s: 32 relays of 60 ms, behind 0.9 s of tries, and a modem's idle time
-HEARD = 2.0  # s from bytes to the Step they lead to: an unfinished frame before them (G3), modem
+ANSWER = 0.3  # s within which a frame is answered (R1)
+UNHEARD, MOST = 2.0, 32  # s between relays without an answer (R7); relays that may wait
+RELAYED = 10.0  # s: 32 relays of 60 ms, after 0.9 s of tries, and a modem's idle time
+HEARD = 2.0  # s from bytes to their Step: an unfinished frame before them (G3), the modem
 STICK = 2.0  # s (R6)
 UNBELIEVED = 3  # acknowledgements that may belong to earlier frames (as built, code A)
 COPY = 120.0  # s that a copy may be late (R12)
@@ -88,7 +89,10 @@ class Spurious:
 
 
 def command_of(words: str) -> Setpoint | Order:
-    """What a Step's action says, without its reason."""
+    """Return the command in a Step's action text, without its reason.
+
+    Raises TypeError or ValueError for a text that is no command.
+    """
     text = words.partition(":")[0]
     if text in _ORDERS:
         return _ORDERS[text]
@@ -99,21 +103,21 @@ def command_of(words: str) -> Setpoint | Order:
 
 
 def commands_of(step: Step) -> list[Setpoint | Order]:
-    """Those of a Step, without its outputs."""
+    """Return the commands of a Step, without its outputs. Raises what ``command_of`` raises."""
     return [command_of(words) for words in step.actions if not words.startswith("output ")]
 
 
 def audit(events: Sequence[Event], dialect: str) -> list[Spurious]:
-    """Everything that was sent without a cause, in order."""
+    """Return everything that was sent without a cause, in order."""
     return list(_Auditor(dialect).walk(events))
 
 
 def moves_asked(events: Sequence[Event]) -> list[Spurious]:
-    """Every move that nothing asked for, of a vehicle whose words are not the AUV's."""
+    """Return the moves that nothing asked for, of a vehicle with other commands than the AUV."""
     return list(_MoveAuditor("documented").walk(events))
 
 
-_Said = tuple[float, Peer, int]  # when, by whom, and how many said before it waited then
+_Said = tuple[float, Peer, int]  # when, from whom, and how many earlier ones waited then
 
 
 class _Auditor:
@@ -121,7 +125,7 @@ class _Auditor:
         self._encode = AuvCodec(dialect).encode
         self._state = ""
         self._permits: list[Permit] = []
-        self._relays: dict[bytes, deque[_Said]] = {}  # what was said, oldest first
+        self._relays: dict[bytes, deque[_Said]] = {}  # what operators sent, oldest first
         self._sticks: dict[Peer, float] = {}  # the last M of each
         self._holder: Peer | None = None  # whose M the vehicle follows
         self._tails: dict[Peer, bytes] = {}
@@ -131,9 +135,9 @@ class _Auditor:
         self._acks = 0  # of a stop, since the newest reason to stop
         self._sent_at: deque[float] = deque(maxlen=2)  # the newest frames to the vehicle
         self._stalled: float | None = None
-        self._answered_at = self._mute_at = -math.inf  # an answer; a relay behind one without
-        self._ends = False  # the program was told to
-        self._holds = False  # in surfaced, which an ascent has ended without a stop
+        self._answered_at = self._mute_at = -math.inf  # last answer; relay after an unanswered one
+        self._ends = False  # the program was told to end
+        self._holds = False  # in surfaced, after an ascent that ended without a stop
 
     def walk(self, events: Sequence[Event]) -> Iterator[Spurious]:
         for event in events:
@@ -159,7 +163,7 @@ class _Auditor:
                 case Done(act=Act.END):
                     self._ends = True
                 case Done(act=Act.PLUG):
-                    self._acks = 0  # who knows whose they were
+                    self._acks = 0  # nobody knows which frames they answered
                 case Step():
                     yield from self._step(event)
                 case Tx(link=link) if link == VEHICLE:
@@ -172,7 +176,7 @@ class _Auditor:
         return len(self._sent_at) == 2 and t - self._sent_at[0] <= ANSWER
 
     def _run_again(self, t: float) -> None:
-        """What was to be sent meanwhile is late by as much."""
+        """Shift by the length of the stall everything that was due during it."""
         late, self._stalled = t - (t if self._stalled is None else self._stalled), None
         for permit in self._permits:
             permit.ends += late
@@ -206,12 +210,12 @@ class _Auditor:
         return t - self._last.get(pattern, -math.inf) <= within
 
     def _is_copy(self, t: float) -> bool:
-        """Every @AA that may have led here came by modem, behind one that was none (R12)."""
+        """Whether every recent @AA came by modem, after one that was no copy (R12)."""
         recent = [copy for at, copy in self._starts if t - at <= HEARD]
         return bool(recent) and all(recent)
 
     def _is_held(self, t: float, within: float) -> bool:
-        """Whether an M came since then from whoever has the stick."""
+        """Whether an M came in the last ``within`` s from the holder of the stick."""
         return self._holder is not None and t - self._sticks[self._holder] <= within
 
     def _step(self, step: Step) -> Iterator[Spurious]:
@@ -241,12 +245,12 @@ class _Auditor:
         for command in commands:
             if not self._fits(command, state):
                 yield Spurious(t, f"{step.actions} in {state}")
-        repeats = commands == [Order.STOP] and not moved and state != SURFACING  # there it lets go
+        repeats = commands == [Order.STOP] and not moved and state != SURFACING  # there X0 lets go
         if repeats and not state.startswith(AUTONOMOUS) and self._acks > UNBELIEVED:
             yield Spurious(t, f"a stop repeated in {state} after {self._acks} acknowledgements")
 
     def _unasked(self, step: Step, before: str) -> str:
-        """Why a move was asked for by nobody; "" if it was."""
+        """Return why nobody asked for a change of state; "" if somebody did."""
         state, t = self._state, step.t
         inside = before.startswith(AUTONOMOUS)
         if state.startswith(AUTONOMOUS) and not inside and not self._was_said(_AA, t):
@@ -281,7 +285,7 @@ class _Auditor:
     def _permit(self, command: Setpoint | Order, t: float) -> None:
         order = isinstance(command, Order)
         for permit in self._permits:
-            together = permit.since == t  # of the same step: one leaves behind the other
+            together = permit.since == t  # of the same Step: one leaves after the other
             ended = t + _SAME if order or not permit.begun else t + STALE
             if together:
                 ended = t + STALE
@@ -307,7 +311,7 @@ class _Auditor:
             and (permit.lifts or permit.tries < TRIES)
             and alike(permit.frame, tx.data)
         ]
-        for permit in live[:1]:  # the oldest that is left has the line
+        for permit in live[:1]:  # the oldest that is left is on the line
             permit.sent(tx.t)
         for permit in live:
             permit.begun = True
@@ -343,8 +347,10 @@ class _Auditor:
 
 
 class _MoveAuditor(_Auditor):
-    """Of a vehicle that hears other words: the moves alone. An M that it has no frames for counts
-    as none to it, so nothing is said of when a stick is let go."""
+    """Audits only the changes of state, for a vehicle with other commands.
+
+    Such a vehicle ignores an M that it has no frames for, so the end of the stick is not judged.
+    """
 
     def _unjustified(
         self, step: Step, before: str, moved: bool, commands: list[Setpoint | Order]
@@ -370,12 +376,12 @@ def _turns(data: bytes) -> bool:
 
 
 def moves(frame: bytes) -> bool:
-    """Whether it is an M within its range: others move nothing (G4)."""
+    """Whether the frame is an M with values in range: others move nothing (G4)."""
     return any(isinstance(heard, Manual) for heard in TopsideCodec().receive(frame, 0.0))
 
 
 def alike(asked: bytes, sent: bytes) -> bool:
-    """The same frame; numbers may differ by one, for a Step rounds what it says."""
+    """Whether two frames are the same. Numbers may differ by one, since a Step rounds them."""
     a, b = _FRAME.fullmatch(asked), _FRAME.fullmatch(sent)
     if asked == sent or a is None or b is None:
         return asked == sent

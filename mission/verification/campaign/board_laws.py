@@ -1,15 +1,16 @@
-"""Laws of what leaves for a board of documents 002 to 004, in a flight (R6, R14, R16, R17).
+"""Laws of the frames that leave for a board of documents 002 to 004 (R6, R14, R16, R17).
 
-    asked     every frame is what the newest Step asks for, or under the stick what M words asked
-    stick     600 ms without an M nothing pushes any more
-    moves     a mission begins by an @AA that is no copy, the stick by an M, a stop by an X
-    pace      while the program lives, what holds is said again within the period of the document
-    orders    X and W of anybody leave within 100 ms
+    asked     every frame is what the newest Step asks for, or under the stick what an M asks for
+    stick     after 600 ms without an M, no frame pushes any more
+    moves     a mission begins by an @AA that is no copy, stick control by an M, a stop by an X
+    pace      while the program lives, it repeats the command in force within the period of the
+              document
+    orders    X and W, whoever sends them, leave within 100 ms
 
-An output's own word moves nothing and is not judged here. Where the Pi closes depth and heading
-(`outer_loop`), its efforts are judged by the depth laws alone.
+An output's own command moves nothing and is not judged here. Where the Pi closes the loops of
+depth and heading (`outer_loop`), only the depth laws judge its efforts.
 
-What does not live here: what the AUV's words are audited by (audit, obedience).
+What does not live here: the audit of the AUV's commands (audit, obedience).
 """
 
 from __future__ import annotations
@@ -31,11 +32,10 @@ from mission.verification.rig.trace import Done, Event, Said
 from protocol.codec import CannotEncode
 from protocol.messages import Order, Setpoint
 
-STICK_S = 0.6  # R6
-G3_S = 1.1  # s that an unfinished frame may hold back the one behind it
-RIGHTED_S = 10.0  # s until what is upright again is known to be
-SLACK_S = 0.03  # s: the frames that are on the line
-AGAIN_S = 1.5  # s from the end of a hindrance until all is as before
+STICK_S = 0.6  # s (R14)
+G3_S = 1.1  # s that an unfinished frame may hold back the next one
+RIGHTED_S = 10.0  # s until the program knows that the vehicle is upright again
+SLACK_S = 0.03  # s: the frames that are still on the line
 _SAME = 1e-3  # s
 _M = re.compile(rb"@M[^@$]{2,10}\$")
 _LONGEST = 64
@@ -43,7 +43,7 @@ _HINDERS = (Act.KILL, Act.STALL, Act.UNPLUG, Act.RUN, Act.BOOT, Act.PLUG, Act.EN
 
 
 def audit(events: Sequence[Event], vehicle: Vehicle) -> list[Spurious]:
-    """What nothing asked for, and what was not said again in time."""
+    """Return the frames that nothing asked for, and the frames that were not repeated in time."""
     speech = Speech(vehicle)
     found = [*_Auditor(speech, vehicle).walk(events), *_pace(events, speech.board.period)]
     found += moves_asked(events)
@@ -51,8 +51,11 @@ def audit(events: Sequence[Event], vehicle: Vehicle) -> list[Spurious]:
 
 
 def ignored(events: Sequence[Event], vehicle: Vehicle, settings: Settings) -> list[Ignored]:
-    """X and W that did not leave in time; W is the thrust upward, of the robot a stop. What lies
-    upside down begins by letting go, and has no other bytes for W (R7)."""
+    """Return the X and W that did not leave in time.
+
+    W leaves as upward thrust, on the robot as a stop. Orders to a vehicle that lies upside down are
+    left out: its ascent begins by letting go, and has no other bytes for W (R7).
+    """
     speech = Speech(vehicle)
     w = b"@ZAU12$" if speech.lifts else b"@ZAX0$"
 
@@ -74,9 +77,9 @@ class _Auditor:
         self._state = ""
         self._asked = self._before = speech.motions(Order.STOP)
         self._since = -math.inf
-        self._first: list[Motion] = []  # of the newest Step, what leaves before its last (R7)
-        self._free = False  # what is asked for is held by the Pi
-        self._held: list[Setpoint] = [Setpoint()]  # what the stick may hold
+        self._first: list[Motion] = []  # all commands of the newest Step but its last (R7)
+        self._free = False  # the Pi holds the depth or heading that is asked for
+        self._held: list[Setpoint] = [Setpoint()]  # setpoints that the stick may hold
         self._last_m = -math.inf
         self._tails: dict[str, bytes] = {}
 
@@ -126,7 +129,7 @@ class _Auditor:
             held, holds = self._free, isinstance(command, Setpoint)
             self._free = self._loop and holds and _is_held(command)
             self._ask(self._speech.motions(command), step.t)
-            if held:  # a loop that gives up says neutral first (R17)
+            if held:  # a loop that gives up sends neutral first (R17)
                 self._before = [*self._before, *self._speech.motions(Setpoint())]
 
     def _sent(self, tx: Tx) -> Iterator[Spurious]:
@@ -160,7 +163,7 @@ def _shown(said: Motion) -> str:
 
 
 def _pace(events: Sequence[Event], period: float) -> Iterator[Spurious]:
-    """From the first frame of a life on."""
+    """Check the pace from the first frame of each run of the program on."""
     last: float | None = None
     for event in events:
         if isinstance(event, Done) and event.act in _HINDERS:

@@ -1,6 +1,6 @@
-"""Ways of breaking a rule that take more than another value.
+"""Ways to break a rule that need more than another value.
 
-What does not live here: which rule is broken so (broken), how it is put back (surgery).
+What does not live here: which rule each one breaks (broken), how it is put back (surgery).
 """
 
 from __future__ import annotations
@@ -248,7 +248,7 @@ def forgets_depths(surgery: Surgery) -> None:
 
 
 def ends_at_once(surgery: Surgery) -> None:
-    """With an X0, as every stop does, and nobody stays."""
+    """End the program at once, with an X0 as every stop, and without waiting for the surface."""
     surgery.put(ending, "go_on", lambda of: None)
     surgery.put(ending, "begin", lambda of, order: of.stop_quietly("the program is ended"))
     surgery.put(ending, "settled", lambda of: True)

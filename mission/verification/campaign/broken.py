@@ -1,10 +1,10 @@
-"""The campaign, tested: each safety rule broken alone, and whether its flights notice.
+"""A test of the campaign: each safety rule is broken alone, to see whether flights notice.
 
-A row of BROKEN says how one rule is broken, in the running objects of this process and never in a
-file. What a row names must exist: a rule that is written anew has its row written anew.
+A row of BROKEN breaks one rule in the running objects of this process, never in a file. The code
+that a row names must exist: a rewritten rule needs a rewritten row.
 
-What does not live here: who notices (noticing), the flights (draw, scenes), what is asked of them
-(laws, whole_flight).
+What does not live here: who notices (noticing), the flights (draw, scenes), the laws that flights
+must keep (laws, whole_flight).
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ from protocol.messages import UPWARD, Manual, Order
 
 @contextmanager
 def broken(name: str) -> Iterator[None]:
-    """A context within which the rule is broken. KeyError for a name that is not in BROKEN."""
+    """Break the rule within the context. Raises KeyError for a name that is not in BROKEN."""
     surgery = Surgery()
     try:
         BROKEN[name].how(surgery)

@@ -1,13 +1,17 @@
-"""Flights without faults: currents, noise and the trim of the body alone.
+"""Flights without faults: only currents, noise and the trim of the body.
 
-A shipped mission on one of the profiles, in a current up to the one that it assumes, the deep one
-another, waves, uneven reports, a depth noise to 0.2 m, 8 to 20 N of buoyancy, the ground within
-reach of the altimeter.
-The law: no limit acts and no leg takes its ``else``; whatever does is a false alarm. Excused is the
-``else`` of a leg above the ground whose altimeter really heard no echo as long as R8 waits for one:
-each ping is lost by itself, so that some flight in a thousand has so many lost in a row.
+A flight is a shipped mission on one of the profiles, with:
 
-What does not live here: what else is asked of a flight (laws, whole_flight), faults (draw).
+    - a current at the surface and another one at depth, each up to the one that the mission assumes
+    - waves, uneven reports, depth noise up to 0.2 m, 8 to 20 N of buoyancy
+    - the ground within reach of the altimeter
+
+The law: no limit acts and no leg takes its ``else``; each of these is a false alarm. One ``else``
+is excused: that of a leg above the ground whose altimeter truly received no echo for as long as R8
+waits for one. Each ping is lost independently, so about one flight in a thousand loses so many in
+a row.
+
+What does not live here: the other laws of a flight (laws, whole_flight), faults (draw).
 """
 
 from __future__ import annotations
@@ -33,8 +37,8 @@ from protocol.messages import Telemetry
 from protocol.vehicles import codec
 
 NOISE, BUOYANCY = 0.2, (8.0, 20.0)  # m, N
-DEPTH = 45.0  # m, where a mission states none
-UNEVEN = 0.85  # of an assumed floor: the least that is drawn
+DEPTH = 45.0  # m: the depth where a mission states none
+UNEVEN = 0.85  # share of an assumed floor: the least that is drawn
 
 
 def calm(seed: int, number: int, subjects: Sequence[Subject]) -> Plan:
@@ -58,13 +62,13 @@ def calm(seed: int, number: int, subjects: Sequence[Subject]) -> Plan:
 
 
 def _open_floor(mission: Mission) -> tuple[float, float]:
-    """m: no shallower than the depth allowed, which the check takes for the floor."""
+    """Return the bounds of the floor, m. The check takes the allowed depth for the floor."""
     allowed = mission.safety.depth or DEPTH
     return allowed, 1.03 * allowed
 
 
 def alarms(trial: Trace, vehicle: Vehicle) -> Iterator[Violation]:
-    """Limits that acted, and legs that took their ``else``."""
+    """Yield the limits that acted and the legs that took their ``else``, but for the excused."""
     for event in trial.events:
         if not (isinstance(event, Step) and event.entered):
             continue

@@ -1,12 +1,12 @@
-"""Laws of legs that keep a depth above the bottom: the depth that is asked for is never below what
-the altitude allows.
+"""Laws of legs that keep a depth above the bottom: the commanded depth respects the altitude.
 
     asked      never deeper than the depth that the leg asks for
-    above      with an altimeter that is well: never deeper than the true bottom less the height
-    blind      with one that is silent or frozen for longer than that can be unknown: never deeper
-               than the sea floor assumed less the height
+    above      with a healthy altimeter: never deeper than the true bottom less the altitude
+    blind      with an altimeter that is silent or frozen for so long that this must be known: never
+               deeper than the assumed sea floor less the altitude
 
-What does not live here: whether it follows what it is told (limit_laws), who asked for it (audit).
+What does not live here: whether the vehicle follows its command (limit_laws), who asked for the
+command (audit).
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from mission.verification.rig.vehicle import flown
 from protocol.messages import Setpoint
 
 _ERROR = 1.0  # m: bias and noise of both sensors
-_KNOWN = 24.0  # s until silence is known (6), echoes are missed (6), it is frozen (12)
+_KNOWN = 24.0  # s until silence (6), missing echoes (6), a frozen value (12) are known
 _SENSORS = ("altitude_", "depth_")
 _GONE = ("altitude_silent", "altitude_frozen")
 _WORD = b"@ZAS"
@@ -68,13 +68,16 @@ def _too_deep(story: Story, stay: Stay, held: Setpoint, assumed: float) -> Itera
 
 
 def _gone(story: Story, t: float) -> bool:
-    """The altimeter alone is at fault, and has been in legs for as long as that can be unknown, for
-    at rest an altitude may stand; nobody has switched its power meanwhile, which ends a silence."""
+    """Whether the altimeter alone has failed, for so long that this must be known.
+
+    Only time in legs counts: at rest an altitude may stand still. Nobody has switched the sensor's
+    power meanwhile, which ends a silence.
+    """
     faults = story.faults(_SENSORS, t - _KNOWN, t)
     if len(faults) != 1 or faults[0].name not in _GONE:
         return False
     begin = faults[0].begin
-    others = story.faults(_SENSORS[:1], begin, t)  # meanwhile one of them counted
+    others = story.faults(_SENSORS[:1], begin, t)  # while one of them lasted, that one counted
     begin = max([begin, *(fault_ends(f) for f in others if fault_ends(f) <= t)])
     legs = (s for s in story.stays if s.state.startswith(AUTONOMOUS))
     flown = sum(max(min(s.end, t) - max(s.begin, begin), 0.0) for s in legs)

@@ -1,21 +1,21 @@
-"""Laws of the depth over the whole flight: what is under water, or goes down, is on its way up.
+"""Laws of the depth over the whole flight: a vehicle that is under water or sinks comes up.
 
-By the true depth and the words on the wire, from R7 alone:
+The laws go by the true depth and the commands on the line, and are written from R7 alone:
 
-    at rest    what sinks where everything is stopped is brought up: over 2 m deep (in surfaced 1 m)
-               and 0.5 m deeper than it has been, it is surfacing by the fourth report
-    stopped    over 2 m, and not risen by 0.5 m in 20 s: the same
-    held       what sank out of surfaced and is brought up does not sink out of it again
-    upward     whatever begins an ascent, an upward word leaves within 3 s
-    ways       while the depth does not fall all ways are tried: W, X0 and U12, X0 alone
-    down       upside down, D12 is among them, and W and U12, which push down there, need not be
-    again      upside down, a word that has led deeper is not said again
+    at rest    a vehicle that sinks where everything is stopped is brought up: over 2 m deep (in
+               surfaced 1 m) and 0.5 m deeper than it has been, it is surfacing by the fourth report
+    stopped    over 2 m deep, and not risen by 0.5 m in 20 s: the same
+    held       a vehicle that sank out of surfaced and is brought up does not sink out of it again
+    upward     whatever begins an ascent, an upward command leaves within 3 s
+    ways       while the depth does not fall, all ways are tried: W, X0 and U12, X0 alone
+    down       upside down, D12 is one of the ways; W and U12 push down there, and need not be
+    again      upside down, a command that has led deeper is not sent again
     up         a vehicle that its thrusters (or its buoyancy) could lift comes up
 
-What excuses: physics (``_liftable``), a program that is dead or stands still, a closed node AUTO,
-and a depth sensor that is not healthy, where the rule goes by the depth that is believed: at rest
-an unknown depth turns nothing, and when it is known again what it was before does not count. One
-that came back elsewhere is known again only when it has shown the surface (R5).
+Excuses: physics (``_liftable``), a program that is dead or stalled, a closed node AUTO, and a depth
+sensor that is not healthy, where the rule goes by the believed depth. At rest an unknown depth
+turns no thruster; when the depth is known again, the depths before do not count. A depth that came
+back with a jump is known again only when it has shown the surface (R5).
 """
 
 from __future__ import annotations
@@ -37,29 +37,29 @@ from mission.verification.campaign.story import (
 
 SUNK = "sunk"
 DEPTH_FAULTS = ("depth_",)
-_ERROR = 0.4  # m of the depth sensor
+_ERROR = 0.4  # m: error of the depth sensor
 _DEEP, _DEEP_AGAIN = 2.0 + _ERROR, 1.0 + _ERROR  # m
 _DEEPER = 0.5 + _ERROR  # m deeper than it has been
-_ROSE = 1.1  # m more, where it rose before: 6 s of smoothing
-_REPORTS = 3  # two in a row, and what noise may cost
-_STALE = 9.0  # s without a report: it begins anew
-_GROUND = 1.0  # m above it: it lies there
+_ROSE = 1.1  # m more where the vehicle rose before: 6 s of smoothing
+_REPORTS = 3  # two in a row, and one that noise may cost
+_STALE = 9.0  # s without a report: counting restarts
+_GROUND = 1.0  # m above the ground: the vehicle lies on it
 _RISE = 22, 0.3  # s and m: less than 0.5 m in 20 s, by reports that come every 2 s
-_NEVER_RISEN = 70.0  # s: two times of that at least, whenever they begin
+_NEVER_RISEN = 70.0  # s: at least two such times fit, whenever they begin
 _FALL = 10, 0.05  # s and m: no way makes the depth fall
-_FIRST = 3.0  # s until an upward word has left: three tries, and the X0 before U12
-_ROUND = 70.0  # s: three ways, 10 s more of U12, D12, a turn in which it fell, its way once more
-_OVERTURNED_ROUND = 120.0  # s: D12 comes once a minute, behind the last way
-_TELL = 3  # reports of which three agree on a roll
+_FIRST = 3.0  # s until an upward command has left: three tries, and the X0 before U12
+_ROUND = 70.0  # s: three ways, 10 s more of U12, D12, a turn that raised it, its way once more
+_OVERTURNED_ROUND = 120.0  # s: D12 comes once a minute, after the last way
+_TELL = 3  # reports; of more than these, three agree on a roll
 _AFLOAT = 0.5  # m
-_SHALLOW = 1.5  # m: so near to the surface nothing need be tried
+_SHALLOW = 1.5  # m: so near the surface no way need be tried
 _NOT_LIFTED = 70.0  # s: a round, and 10 s more
 _UPRIGHT, _OVERTURNED = math.radians(60.0), math.radians(130.0)
-_MOSTLY = 0.9  # of the seconds
-_KNOWN_OVER = 12.0  # s of reports
+_MOSTLY = 0.9  # share of the seconds
+_KNOWN_OVER = 12.0  # s of reports until a roll-over is known
 _TRIED, _LED = 9.0, 2.0  # s of a turn, m: R7's metre, two errors of the sensor, an old report
 _WAYS = (*UPWARD_WORDS, STOP_WORD, DOWN_WORD)
-_SPARE = 8.0  # N of lift that make a rise within a turn
+_SPARE = 8.0  # N of lift that raise the vehicle within a turn
 _OUT_OF_HAND = (
     *("stm32_", "command_", "unexplained_dive", "deaf_to", "dives_until", "obeys_late"),
     *("ack_lost", "verticals_", "thrust_dead", "bytes_corrupted", "line_noise", "splice"),
@@ -122,8 +122,10 @@ def _stays_down(story: Story, stay: Stay) -> Iterator[Violation]:
 
 
 def _pressed_unseen(story: Story, begin: float, end: float) -> bool:
-    """Its board drives it onto the ground, and the altimeter does not tell of any: so the depth is
-    contradicted, and an unknown one turns nothing at rest."""
+    """Whether the board drives the vehicle onto ground that the altimeter does not report.
+
+    Then the depth is contradicted, and at rest an unknown depth turns no thruster.
+    """
     near = story.settings.sea.floor - story.depth(end) < _GROUND
     return (
         near and story.faulty(("dives_",), begin, end) and story.faulty(("altitude_",), begin, end)
@@ -178,13 +180,16 @@ def _missing(story: Story, begin: float, end: float) -> list[str]:
 
 
 def _upright_for_a_round(story: Story, begin: float, end: float) -> bool:
-    """Upside down nothing is pushed that led deeper; behind that each way has its turn again."""
+    """Whether the vehicle was not upside down within the last round before ``end``.
+
+    Upside down, a push that led deeper is not tried again; upright, each way has its turn again.
+    """
     lay = [t for i in range(int(end - begin)) if story.tilt(t := begin + i) > _OVERTURNED]
     return not lay or end - lay[-1] >= _ROUND
 
 
 def _lets_go(story: Story, t: float) -> bool:
-    """An X0 that is not the first half of another word."""
+    """Whether an X0 lets go: it is not the first half of another command."""
     after = story.words_in(t, t + 2.0)
     return not any(word.data[:4] in (b"@ZAU", b"@ZAD") for word in after)
 
@@ -201,7 +206,7 @@ def _comes_up(story: Story, stay: Stay) -> Iterator[Violation]:
 
 
 def _pushes_again(story: Story, stay: Stay) -> Iterator[Violation]:
-    """Upside down, what has led deeper."""
+    """Upside down, a command that has led deeper is not sent again."""
     led: set[bytes] = set()
     for way, then in pairwise(_ways(story, stay)):
         if not _lies_over(story, way.t):
@@ -217,15 +222,18 @@ def _pushes_again(story: Story, stay: Stay) -> Iterator[Violation]:
 
 
 def _ways(story: Story, stay: Stay) -> list[Tx]:
-    """The words of an ascent that begin something: no second try, no X0 of another word."""
+    """Return the commands that begin a way: no second tries, no X0 of another command."""
     words = [w for w in story.words_in(stay.begin, stay.end) if w.data in _WAYS]
     news = [w for w in words if not w.reason.endswith(("(held)", " of 3)"))]
     return [w for w in news if w.data != STOP_WORD or _lets_go(story, w.t)]
 
 
 def _lies_over(story: Story, t: float) -> bool:
-    """Upside down for so long that it is known, and reports have told of it; and not just turning
-    upright, which the track, of once a second, shows in the next."""
+    """Whether the vehicle is upside down for so long that reports have shown it.
+
+    It must not be turning upright just now. The track has one place a second, and shows such a turn
+    in the next place.
+    """
     begin = t - _KNOWN_OVER
     if not story.told_in(begin, t):
         return False
@@ -235,13 +243,13 @@ def _lies_over(story: Story, t: float) -> bool:
 
 
 def net_buoyancy(story: Story, begin: float, end: float) -> float:
-    """N, the least in this time."""
+    """Return the least buoyancy in this time, N."""
     heavier = sum(f.value or 8.0 for f in story.faults(("heavy",), begin, end))
     return story.settings.body.buoyancy - heavier
 
 
 def _liftable(story: Story, begin: float, end: float) -> bool:
-    """Whether thrust (upright) or buoyancy (upside down) can lift it."""
+    """Whether thrust (upright) or buoyancy (upside down) can lift the vehicle."""
     net = net_buoyancy(story, begin, end)
     if story.faulty(("capsized", "listing"), begin, end):
         return net > _SPARE
@@ -249,8 +257,10 @@ def _liftable(story: Story, begin: float, end: float) -> bool:
 
 
 def _is_held_up(story: Story) -> Iterator[Violation]:
-    """Nobody else having a say in between, AUTO that is closed included, a body that sinks out of
-    surfaced does so once. Waves that wash over an antenna are no sinking."""
+    """A vehicle sinks out of surfaced only once, unless somebody acts in between.
+
+    A closed AUTO is such an act. Waves that wash over an antenna are no sinking.
+    """
     sank = False
     for stay in story.stays:
         if stay.state not in (SURFACING, SURFACED):

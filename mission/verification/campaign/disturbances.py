@@ -1,8 +1,8 @@
-"""What goes wrong beside the vehicle: operators, their links, the program, its disk. A table.
+"""What goes wrong outside the vehicle: operators, their links, the program, its disk. A table.
 
 An incident is drawn as disturbances, each at its time: bytes that somebody sends, a connection that
-comes or goes, the program killed and begun anew, a cable pulled. Times are s from the beginning
-of the incident.
+comes or goes, the program killed and restarted, a cable pulled. Times are s from the beginning of
+the incident.
 
 What does not live here: faults of the vehicle (links.simulated.faults), when an incident begins
 (draw), how a disturbance is done (trial).
@@ -33,15 +33,15 @@ from protocol.topside import encode
 
 STICK_EVERY = 0.2  # s (R1: while the stick is held)
 STICK_ENDS = b"@MMF0$"  # twice (R1)
-SLIDER_RATES = (5, 20, 60, 200)  # words a second
-SLIDER = 15.0  # s at most that one is moved
+SLIDER_RATES = (5, 20, 60, 200)  # commands a second
+SLIDER = 15.0  # s at most that a slider moves
 LATE = 120.0  # s that a copy may be late (R12)
-STALL = 8.0  # s at most: a longer one ends by the watchdog's kill
+STALL = 8.0  # s at most: the watchdog kills a program that stalls longer
 
 
 @dataclass(frozen=True, slots=True)
 class Incident:
-    """``draw`` is given the lines of another mission than the one that flies."""
+    """``draw`` gets the lines of another mission than the one that flies."""
 
     says: str
     draw: Callable[[Random, tuple[str, ...]], list[Disturbance]]
@@ -78,7 +78,7 @@ def _stick_and_resume(rng: Random, lines: tuple[str, ...]) -> list[Disturbance]:
 
 
 def _stick_lost(rng: Random, lines: tuple[str, ...]) -> list[Disturbance]:
-    """Out of range with the stick held: no end, no goodbye."""
+    """The boat goes out of range with the stick held: no neutral M, no orderly end."""
     moves = _stick(rng, lines)[:-2]
     gone = moves[-1].after + 0.1 if moves else 0.1
     return [
@@ -100,7 +100,7 @@ def _stop_then_surface(rng: Random, _: tuple[str, ...]) -> list[Disturbance]:
 
 
 def _upload(rng: Random, lines: tuple[str, ...]) -> list[Disturbance]:
-    """Another mission, or a part of it, in the middle of everything."""
+    """Another mission, or a part of it, is uploaded at any time."""
     sent = lines[: rng.randint(1, len(lines))]
     frames = [encode(MissionLine(len(lines), i, line)) for i, line in enumerate(sent, 1)]
     return [_say(0.1 * i, frame) for i, frame in enumerate(frames)]
@@ -128,7 +128,7 @@ def _relays(rng: Random, _: tuple[str, ...]) -> list[Disturbance]:
 
 
 def _slider(rng: Random, _: tuple[str, ...]) -> list[Disturbance]:
-    """Of rudders, lights or thrusters, moved for a while; more than the line carries, perhaps."""
+    """A slider moves rudders, lights or thrusters, at times faster than the line carries."""
     rate, seconds = rng.choice(SLIDER_RATES), rng.uniform(2.0, SLIDER)
     angles = [b"@DS%d,%d$" % (rng.randint(1, 3), angle) for angle in range(-15, 23)]
     others = [b"@DA1,1$", b"@DA2,-1$", b"@DS3,5$", b"@RI$", b"@RSOOOOOOC$", b"@DU$"]
@@ -137,8 +137,8 @@ def _slider(rng: Random, _: tuple[str, ...]) -> list[Disturbance]:
 
 
 def _late_copies(rng: Random, lines: tuple[str, ...]) -> list[Disturbance]:
-    """What the boat says arrives by modem as well, up to two minutes later, once or twice; and
-    something else was said meanwhile."""
+    """Commands of the boat arrive by modem as well, once or twice, up to two minutes later. Other
+    commands are sent in between."""
     words = [
         *(encode(StartMission()), encode(StartMission()), encode(ClearMission())),
         *(encode(SetSafety(depth=d)) for d in (2000.0, 5.0)),
@@ -156,7 +156,7 @@ def _late_copies(rng: Random, lines: tuple[str, ...]) -> list[Disturbance]:
 
 
 def _modem_drips(rng: Random, _: tuple[str, ...]) -> list[Disturbance]:
-    """A false head and then a byte of noise each while, for minutes; and an order in between."""
+    """A false frame head, then single bytes of noise for minutes, and an order in between."""
     every, count = rng.uniform(0.03, 0.95), rng.randint(20, 300)
     head = b"#\x02" + rng.randint(1, 3200).to_bytes(2, "little") + b"\x01"
     drips = [_say(i * every, rng.randbytes(1), MODEM, "") for i in range(1, count)]
@@ -199,7 +199,7 @@ def _near_frames(rng: Random, lines: tuple[str, ...]) -> list[Disturbance]:
 
 
 def _other_boat(rng: Random, _: tuple[str, ...]) -> list[Disturbance]:
-    """A second connection that would command as well."""
+    """A second connection tries to command as well."""
     words = [b"@AA$", b"@AC$", b"@ZAWF$", b"@ZAX0$", b"@MMF5$", b"@RI$", b"@DU$", b"@NSOOOCCO$"]
     said = [
         _say(rng.uniform(0.1, 30.0), rng.choice(words), TOPSIDE, OTHER_BOAT)
@@ -217,7 +217,7 @@ def _by_modem(rng: Random, _: tuple[str, ...]) -> list[Disturbance]:
 
 
 def _modem_garbled(rng: Random, _: tuple[str, ...]) -> list[Disturbance]:
-    """Envelopes with bits turned over, cut, or run together."""
+    """Envelopes with flipped bits, cut short, or run together."""
     words = [b"@ZAX0$", b"@ZAWF$", b"@AA$", b"@AC$", b"@DU$", b"@MMD9$"]
     said = []
     for i in range(rng.randint(1, 10)):
@@ -231,7 +231,7 @@ def _modem_garbled(rng: Random, _: tuple[str, ...]) -> list[Disturbance]:
 
 
 def _stress(rng: Random, lines: tuple[str, ...]) -> list[Disturbance]:
-    """Everything that can be pressed, as fast as it can be, in no order."""
+    """Many commands of every kind, fast and in no order."""
     words = [
         *(b"@ZAX0$", b"@ZAWF$", b"@ZAX0$", b"@ZAWF$", b"@AA$", b"@AA$", b"@AC$", b"@AB$"),
         *(b"@MMU12$", b"@MMD12$", b"@MMF0$", b"@MRL5$", b"@MT3,-12$", b"@NSOOOCCC$"),
@@ -248,14 +248,14 @@ def _stress(rng: Random, lines: tuple[str, ...]) -> list[Disturbance]:
 
 
 def _others(said: Sequence[bytes]) -> list[bytes]:
-    """The examples of the operator's words of which none is ``said``: a new word is there, too."""
+    """Return the examples of all operator commands not in ``said``: new ones count, too."""
     codes = {frame[1:3] for frame in said}
     more = (word.examples for word in WORDS.values() if word.code.encode() not in codes)
     return list(itertools.chain.from_iterable(more))
 
 
 def _nodes(rng: Random, _: tuple[str, ...]) -> list[Disturbance]:
-    """Closed and opened as they come, and as they were at the end."""
+    """Nodes are closed and opened at random, and set back at the end."""
     switched = [
         _say(rng.uniform(0.0, 60.0), b"@NSO%b$" % bytes(rng.choice(b"OC") for _ in range(5)))
         for _ in range(rng.randint(1, 4))
@@ -264,7 +264,7 @@ def _nodes(rng: Random, _: tuple[str, ...]) -> list[Disturbance]:
 
 
 def _crowd(rng: Random, _: tuple[str, ...]) -> list[Disturbance]:
-    """Connections that come, say something or nothing, and go."""
+    """Connections that come, send something or nothing, and go."""
     words = [b"", b"@DU$", b"@AQ$", b"@AA$", b"@A", b"\xff" * 300]
     disturbances = []
     for i in range(rng.randint(10, 60)):
@@ -279,7 +279,7 @@ def _crowd(rng: Random, _: tuple[str, ...]) -> list[Disturbance]:
 
 
 def _killed(rng: Random, _: tuple[str, ...]) -> list[Disturbance]:
-    """As the service manager does it: begun anew a few seconds later; the boat connects again."""
+    """The service manager restarts the program a few seconds later; the boat connects again."""
     back = rng.uniform(1.0, 8.0)
     return [
         Disturbance(0.0, Act.KILL),
@@ -295,13 +295,13 @@ def _killed_twice(rng: Random, lines: tuple[str, ...]) -> list[Disturbance]:
 
 
 def _ended(rng: Random, _: tuple[str, ...]) -> list[Disturbance]:
-    """By SIGTERM; now and then by a second one, before the vehicle is up."""
+    """The program gets a SIGTERM, sometimes a second one before the vehicle is up."""
     hurry = [Disturbance(rng.uniform(0.0, 60.0), Act.HURRY)] if rng.random() < 0.3 else []
     return [Disturbance(0.0, Act.END), *hurry]
 
 
 def _killed_in_a_write(rng: Random, _: tuple[str, ...]) -> list[Disturbance]:
-    """Of its store, the next that there will be; the trial begins it anew."""
+    """The program dies in the next write of its store; the trial restarts it."""
     return [Disturbance(0.0, rng.choice([Act.DIE_BEFORE, Act.DIE_AFTER]))]
 
 
@@ -310,7 +310,7 @@ def _power_cut(rng: Random, lines: tuple[str, ...]) -> list[Disturbance]:
 
 
 def _stalled(rng: Random, _: tuple[str, ...]) -> list[Disturbance]:
-    """Swapping, a slow disk, a stopped process: what arrived meanwhile is read in one piece."""
+    """The process stalls (swapping, a slow disk); then it reads all bytes in one piece."""
     return [Disturbance(0.0, Act.STALL), Disturbance(rng.uniform(0.2, STALL), Act.RUN)]
 
 

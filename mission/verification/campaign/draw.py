@@ -1,10 +1,9 @@
 """What goes wrong in flight ``number`` of the fault campaign with seed ``seed``: always the same.
 
-A mission, a profile, a sea with up to 0.5 m/s of current, and one to five disturbances, drawn
-from FAULTS and INCIDENTS, at random times; in a quarter of the flights all of them within
-5 s. A fault may last for ever, but not one of those
-that take the vehicle out of everybody's hands (OUT_OF_HAND) or change its weight: bringing such a
-vehicle home is physically impossible.
+A flight has a mission, a profile, a sea with up to 0.5 m/s of current, and one to five disturbances
+at random times, drawn from FAULTS and INCIDENTS. In a quarter of the flights all of them come
+within 5 s. A fault may last for ever, unless nobody can control the vehicle meanwhile (OUT_OF_HAND)
+or it changes the vehicle's weight: such a vehicle physically cannot be brought home.
 
 What does not live here: what a fault or an incident does (links.simulated.faults, disturbances).
 """
@@ -33,11 +32,11 @@ from mission.verification.rig.vehicle import body_of, flown, home_of
 
 MOST = 5  # disturbances a flight
 CURRENT = 0.5  # m/s
-HORIZON = 0.4  # of the proved time: about what a mission really takes
-OF_BOARD = 0.15  # the same of the short missions of the other vehicles
+HORIZON = 0.4  # share of the proved time: about what a mission really takes
+OF_BOARD = 0.15  # the same for the short missions of the other vehicles
 AT_START, TOGETHER = 0.1, 0.4  # shares of the disturbances
 CLUSTERED, CLUSTER = 0.25, 5.0  # share of the flights, s: everything at nearly the same time
-FOR_EVER = 0.15  # share of the faults that may
+FOR_EVER = 0.15  # share of the faults that last so, where they may
 OUT_OF_HAND = frozenset(
     {
         *("stm32_hang", "command_lost", "command_corrupted", "unexplained_dive", "deaf_to_x"),
@@ -45,16 +44,16 @@ OUT_OF_HAND = frozenset(
     }
 )
 WEIGHT = frozenset({"heavy", "light"})
-STAGED, BESIDE = 0.7, 0.4  # shares: of the flights, and of those with something else beside
+STAGED, BESIDE = 0.7, 0.4  # share of flights with a scene; of those, with a disturbance beside it
 ROUGH, AMPLITUDE, WAVE_PERIOD = 0.5, (0.05, 0.75), (3.5, 12.0)  # share of the flights; m, s
-AIR = -0.2, 0.4  # m of depth, that the air makes of 980 to 1040 hPa
-AIR_OF_BOARDS = -0.2, 0.25  # m: with more, nothing tells what has no receiver that it is up (R7)
-SKY, SETTLE = (0.0, 3.0), (0.0, 20.0)  # m that fixes of minutes, and the first, err alike
-ANSWERS = (0.0, 0.1, 0.2, 0.28)  # s that they may take: with its bytes 0.3 are not over (R1)
+AIR = -0.2, 0.4  # m of depth, by an air pressure of 980 to 1040 hPa
+AIR_OF_BOARDS = -0.2, 0.25  # m: with more, a vehicle without a receiver never knows it is up (R7)
+SKY, SETTLE = (0.0, 3.0), (0.0, 20.0)  # m: error of fixes for minutes; of the first fixes
+ANSWERS = (0.0, 0.1, 0.2, 0.28)  # s that answers may take: with their bytes less than 0.3 (R1)
 UNEVEN = (0.0, 0.2, 0.4, 0.6)  # s that a report may come early or late
-SCENE_TIME, SCENE_FLOOR = 160.0, 30.0  # s that matter, m
-IDLE = ("temperature_", "magnetometer_", "battery_")  # nothing on this vehicle decides by them
-SELDOM = 0.25  # as often as others: what is idle, and what has to be fitted first
+SCENE_TIME, SCENE_FLOOR = 160.0, 30.0  # s of a scene that matter; m
+IDLE = ("temperature_", "magnetometer_", "battery_")  # this vehicle decides nothing by them
+SELDOM = 0.25  # times as often as others: idle faults, and those that need a fitted sensor
 DOCUMENTED = "documented"
 PROFILES = ("as-built", DOCUMENTED)
 
@@ -74,7 +73,7 @@ class Subject:
 
 @dataclass(frozen=True, slots=True)
 class Drawn:
-    """An incident with what it came to, at the flight's times."""
+    """An incident with its disturbances, at the flight's times."""
 
     name: str
     begin: float
@@ -92,8 +91,8 @@ class Plan:
     incidents: tuple[Drawn, ...]
     heading: float
     scene: str = ""
-    silence: float | None = None  # that the topside is allowed, s
-    batteries: bool = False  # the vehicle reports them as they are
+    silence: float | None = None  # s: the topside's longest allowed silence
+    batteries: bool = False  # the vehicle reports their true voltages
 
     @property
     def vehicle(self) -> Vehicle:
@@ -133,7 +132,7 @@ class Plan:
 
 
 def draw(seed: int, number: int, subjects: Sequence[Subject], staged: float = STAGED) -> Plan:
-    """``staged``: share of the flights with a scene."""
+    """Draw the plan of a flight; ``staged`` is the share of the flights with a scene."""
     rng = Random(f"faults {seed} {number}")
     if rng.random() < staged:
         return in_a_seaway(_staged(rng, seed, number, subjects))
@@ -141,27 +140,27 @@ def draw(seed: int, number: int, subjects: Sequence[Subject], staged: float = ST
 
 
 def stage(name: str, seed: int, vehicle: str = "auv") -> Plan:
-    """This scene, and nothing else. KeyError for one that is not staged on the vehicle."""
+    """Plan this scene and nothing else. Raises KeyError if it is not staged on the vehicle."""
     return _set_up(name, vehicle, Random(f"scene {name} {seed}"), seed, 0)
 
 
 def profiles_of(vehicle: str) -> tuple[str, ...]:
-    """How it may have been built; only the AUV is known to be other than its document."""
+    """Return the vehicle's profiles: only the AUV is known to differ from its document."""
     return PROFILES if vehicle == "auv" else (DOCUMENTED,)
 
 
 def on_profile(plan: Plan, profile: str) -> Plan:
-    """As built it would report no batteries: such a plan is flown as documented."""
+    """Set the profile; as built no batteries are reported, so such plans fly as documented."""
     return replace(plan, profile=DOCUMENTED if plan.batteries else profile)
 
 
 def rows(subjects: Sequence[Subject]) -> tuple[str, ...]:
-    """Of the tables that flights are drawn from: scenes, and missions by their files' names."""
+    """Return the rows that flights are drawn from: scenes, and missions by their file names."""
     return (*scenes_of(subjects[0].vehicle), *(subject.path.stem for subject in subjects))
 
 
 def draw_row(row: str, rng: Random, seed: int, number: int, subjects: Sequence[Subject]) -> Plan:
-    """Draws a flight of one of ``rows``; of a scene, every second flight has the scene alone."""
+    """Draw a flight of one of ``rows``. Every second flight of a scene has nothing beside it."""
     if row in scenes_of(subjects[0].vehicle):
         return in_a_seaway(_staged(rng, seed, number, subjects, row, BESIDE if number % 2 else 0.0))
     subject = {subject.path.stem: subject for subject in subjects}[row]
@@ -169,8 +168,11 @@ def draw_row(row: str, rng: Random, seed: int, number: int, subjects: Sequence[S
 
 
 def in_a_seaway(plan: Plan) -> Plan:
-    """No firmware reports every 2.000 s, few seas are flat, a depth that is the pressure less
-    10 dbar begins where the air's has it, and what one fix is off by the next one is, too."""
+    """Add uneven reports, waves, the air's pressure and errors of fixes to a plan.
+
+    No firmware reports exactly every 2.000 s, and few seas are flat. The air's pressure offsets a
+    depth that is the pressure less 10 dbar. Successive fixes share their error.
+    """
     if plan.subject.vehicle == "robot":
         return plan
     rng, settings = Random(f"seaway {plan.vehicle_seed}"), plan.settings
@@ -198,7 +200,7 @@ def _staged(
     name: str = "",
     beside: float = BESIDE,
 ) -> Plan:
-    """A scene, and in some flights something else that happens meanwhile."""
+    """Draw a scene, in some flights with a disturbance beside it."""
     vehicle = subjects[0].vehicle
     plan = _set_up(name or _scene(vehicle, seed, number), vehicle, rng, seed, number)
     if rng.random() >= beside:
@@ -211,7 +213,11 @@ def _staged(
 
 
 def _scene(vehicle: str, seed: int, number: int) -> str:
-    """In rounds, each in an order of its own: a few hundred flights have every scene in them."""
+    """Return the scene of a flight.
+
+    A round has every scene once, in a random order of its own. So a few hundred flights have all
+    scenes.
+    """
     order = list(scenes_of(vehicle))
     turn, place = divmod(number, len(order))
     Random(f"scenes {seed} {turn}").shuffle(order)
@@ -266,7 +272,7 @@ def _disturbed(
 
 
 def _troubles(rng: Random, count: int, vehicle: str) -> list[str]:
-    """Names of its faults and of INCIDENTS."""
+    """Draw names of the vehicle's faults and of INCIDENTS."""
     known = faults_of(vehicle)
     seldom = {name for name, row in known.items() if row.needs or name.startswith(IDLE)}
     names = (*known, *INCIDENTS)
@@ -281,7 +287,7 @@ def _disturb(
     faults: list[FaultEvent],
     incidents: list[Drawn],
 ) -> None:
-    """Draws one row of FAULTS or INCIDENTS."""
+    """Draw one row of FAULTS or INCIDENTS into the list that it belongs to."""
     if name not in INCIDENTS:
         faults.append(_fault(rng, name, begin))
         return
@@ -303,7 +309,7 @@ def _begins(rng: Random, count: int, horizon: float) -> list[float]:
 
 
 def _begin(rng: Random, others: Sequence[float], horizon: float) -> float:
-    """Anywhere, about the start, or shortly before or after another: troubles come together."""
+    """Draw a time: anywhere, near the start, or near another, since troubles come together."""
     drawn = rng.random()
     if drawn < AT_START:
         begin = rng.uniform(1.0, 15.0)

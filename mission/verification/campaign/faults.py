@@ -1,7 +1,7 @@
-"""The fault campaign: disturbed flights by seed and number, and what became of them together.
+"""The fault campaign: disturbed flights by seed and number, and the totals of their results.
 
-What does not live here: one flight (trial), what is drawn (draw), what is asked of it (laws,
-audit), workers (pool).
+What does not live here: one flight (trial), what is drawn (draw), the laws of a flight (laws,
+audit), where flights are flown (workers).
 """
 
 from __future__ import annotations
@@ -44,8 +44,11 @@ ALARMED = "alarmed"  # of flights without faults (calm)
 
 @dataclass(frozen=True, slots=True)
 class FlightResult:
-    """What became of one flight; small, for it comes from another process. ``digest``: of all
-    that was said, heard, decided and sent, with its times, and of the truth at the end."""
+    """The result of one flight; small, since it comes from another process.
+
+    ``digest``: a hash of all that was received, decided and sent, with its times, and of the truth
+    at the end.
+    """
 
     number: int
     words: str
@@ -57,7 +60,7 @@ class FlightResult:
 
 @dataclass(slots=True)
 class Totals:
-    """``undone``: flights that nobody saw the end of."""
+    """``undone``: flights without a result."""
 
     flights: int = 0
     broken: int = 0  # flights that broke any law
@@ -65,7 +68,7 @@ class Totals:
     kinds: Counter[str] = field(default_factory=Counter)
     aborted: Counter[str] = field(default_factory=Counter)
     violated: Counter[str] = field(default_factory=Counter)  # flights, by kind of violation
-    digest: str = ""  # of all in their order
+    digest: str = ""  # of all flights in their order
 
     def add(self, result: FlightResult) -> None:
         self.flights += 1
@@ -80,7 +83,7 @@ class Totals:
         return not self.violated and not self.undone
 
     def as_json(self) -> dict[str, Any]:
-        """The JSON object of one run; ``ignored``, ``raised`` and the kinds of laws beside it."""
+        """Return the JSON object of one run: counts by fault, by kind of violation, by abort."""
         return {
             "flights": self.flights,
             "faults": dict(sorted(self.kinds.items())),
@@ -101,8 +104,10 @@ def shipped() -> list[Path]:
 
 
 def subjects(paths: Iterable[Path], vehicle: str | None = None) -> list[Subject]:
-    """On ``vehicle`` as campaigns fly it, None: their own. Raises Unreadable, ValueError for a
-    mission that the check refuses."""
+    """Return the missions on ``vehicle``, as campaigns fly it; None: on their own vehicles.
+
+    Raises Unreadable, or ValueError for a mission that the check refuses.
+    """
     found = []
     for path in paths:
         prepared = prepare(path, None if vehicle is None else flown(vehicle))
@@ -115,7 +120,7 @@ def subjects(paths: Iterable[Path], vehicle: str | None = None) -> list[Subject]
 
 
 def fitting(vehicle: str) -> list[Subject]:
-    """The shipped missions that fly on it: its own, and those of the AUV that the check passes."""
+    """Return the shipped missions that fly on it: its own and the AUV's that the check passes."""
     found = []
     for path in shipped_missions().values():
         with contextlib.suppress(Unreadable, ValueError):
@@ -152,13 +157,13 @@ def fly_numbered(
 ) -> FlightResult:
     plan = draw(seed, number, known)
     vehicle = plan.vehicle
-    with uncollected():  # the collector finds nothing
+    with uncollected():  # the garbage collector finds nothing
         trial = fly_plan(plan, vehicle, recorder, known_judge)
         return result_of(plan, trial, vehicle, plan.profile)
 
 
 def fly_near(plan: Plan) -> tuple[FlightResult, dict[str, float]]:
-    """Flies a plan; returns the result and how near the flight came to breaking each law."""
+    """Fly a plan; return the result and how near the flight came to breaking each law."""
     vehicle = plan.vehicle
     trial = fly_plan(plan, vehicle)
     result = result_of(plan, trial, vehicle, plan.profile)
@@ -178,8 +183,11 @@ def result_of(
     whole: bool = True,
     more: Sequence[Violation] = (),
 ) -> FlightResult:
-    """``whole``: the trial begins with the program, so that its whole flight can be judged.
-    ``more``: what other laws have found."""
+    """Judge a flight and return its result.
+
+    ``whole``: the trial begins with the program, so that the laws of the whole flight apply.
+    ``more``: violations that other laws have found.
+    """
     mission = trial.mission
     found = [*violations(trial, mission, vehicle, profile, plan.settings), *more]
     if whole:
@@ -196,8 +204,10 @@ def result_of(
 
 
 def digest_of(trial: Trace) -> str:
-    """The same wherever the same flight is flown. Estimates are left out: what follows from them
-    is in it, and they take longest."""
+    """Return a hash that is the same wherever the same flight is flown.
+
+    Estimates are left out: their consequences are in the hash, and they take longest.
+    """
     found = sha256()
     for event in trial.events:
         if not isinstance(event, Told):
@@ -207,7 +217,7 @@ def digest_of(trial: Trace) -> str:
 
 
 def _aborts(trial: Trace) -> list[str]:
-    """Why missions did not come to their own end, by the names of limits and operators."""
+    """Return why missions did not come to their own end: limits, operators, restarts."""
     if trial.started is None:
         return [NOT_STARTED]
     reasons, state = [], ""

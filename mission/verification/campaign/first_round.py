@@ -1,13 +1,13 @@
-"""The order in which a search flies the rows: each next one acts by the safety rules that the rows
-before it acted by least.
+"""The order in which a search flies the rows: next is the row whose safety rules acted least in the
+rows before it.
 
-    make first-round      writes first_round.txt anew: ten minutes of two cores
+    make first-round      rewrites first_round.txt: ten minutes of two cores
 
-A rule acts in a flight that would be another without it, in any byte. One flight of each row says
-so, with a seed that no other campaign has (as tests are put in order by the faults that they could
-expose: Rothermel, Untch, Chu and Harrold, IEEE Transactions on Software Engineering 27, 2001).
-Shipped missions, which take as long as several scenes, come last. A row that is not in the file,
-since it is new, comes first.
+A rule acts in a flight if the flight would differ without it, in any byte. One flight of each row
+shows this, with a seed that no other campaign has. (Tests are ordered in the same way by the faults
+that they could expose: Rothermel, Untch, Chu and Harrold, IEEE Transactions on Software Engineering
+27, 2001.) Shipped missions come last, since each takes as long as several scenes. A new row, which
+is not in the file, comes first.
 
 What does not live here: what a search flies next (search), how a rule is broken (broken).
 """
@@ -30,19 +30,19 @@ from mission.verification.workers.outcome import Lost
 from mission.verification.workers.places import place
 
 FILE = Path(__file__).with_name("first_round.txt")
-VEHICLE = "auv"  # the others' rows are among its own, but for those that it has not
+VEHICLE = "auv"  # its rows include those of the others, but for scenes of boards alone
 _SEED = 0
-_AGAIN = 0.3  # of its worth: a rule that one more row before has acted by
+_AGAIN = 0.3  # factor of a rule's worth, for each earlier row in which it acted
 
 
 def in_order(known: Sequence[str]) -> list[str]:
-    """These rows, each once."""
+    """Return the rows in the order of the file; those that are not in it come first."""
     order = {row: place for place, row in enumerate(FILE.read_text("utf-8").split())}
     return sorted(known, key=lambda row: (order.get(row, -1), row))
 
 
 def acts(known: Sequence[Subject], row: str) -> frozenset[str]:
-    """The rules without which a flight of the row would be another."""
+    """Return the rules without which a flight of the row would differ."""
     plan = plan_of(f"{row}/0", _SEED, known)
     with reached() as rules:
         whole = fly_near(plan)[0].digest
@@ -50,7 +50,7 @@ def acts(known: Sequence[Subject], row: str) -> frozenset[str]:
 
 
 def ordered(acted: Mapping[str, Iterable[str]], scenes: Iterable[str]) -> list[str]:
-    """``acted``: rules by row; ``scenes``: the rows that come before the others."""
+    """Return the rows in order. ``acted``: rules by row; ``scenes``: the rows that come first."""
     before: Counter[str] = Counter()
     first = set(scenes)
 

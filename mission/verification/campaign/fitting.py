@@ -1,7 +1,7 @@
-"""What is fitted to the vehicle of a flight, so that what is drawn for it can go wrong there.
+"""What is fitted to the vehicle of a flight, so that the drawn faults can happen there.
 
-Sensors that were added, and the beacons of ranges, which stand within hearing of home and are where
-the vehicle file says. Noises are the usual ones.
+This is added sensors, and the beacons of ranges. The beacons are within range of home, and the
+vehicle file has their places. Noises are the usual ones.
 
 What does not live here: what goes wrong (links.simulated.added_faults), when (draw).
 """
@@ -32,7 +32,7 @@ _BEACONS, _WITHIN, _DEEP = 2, (100.0, 400.0), (2.0, 20.0)  # m from home
 def fit(
     settings: Settings, faults: Iterable[FaultEvent], home: tuple[float, float], rng: Random
 ) -> Settings:
-    """``settings`` with the faults, and with what they need; ``home`` in rad."""
+    """Return ``settings`` with the faults and the sensors that they need; ``home`` in rad."""
     faults = tuple(faults)
     needed = {FAULTS[event.name].needs for event in faults if event.name in FAULTS} - {""}
     fitted = parse_settings([f"{part}={SIGMAS[part]}" for part in sorted(needed)], settings)
@@ -49,7 +49,7 @@ def _beacon(number: int, home: tuple[float, float], rng: Random) -> SimulatedBea
 
 
 def beaconed(vehicle: Vehicle, settings: Settings) -> Vehicle:
-    """Its file knows where the beacons of the settings are."""
+    """Return the vehicle with the beacons of the settings in its file."""
     there = settings.added.beacons
     beacons = {str(b.number): Beacon(b.latitude, b.longitude, b.depth) for b in there}
     return replace(vehicle, beacons=beacons) if beacons else vehicle

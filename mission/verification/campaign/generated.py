@@ -1,8 +1,8 @@
-"""Random missions that the check passes, by seed: what an author might come to write, and worse.
+"""Random missions that the check passes, by seed: what an author might write, and worse.
 
-A text is drawn line by line, legs of every type as their rows draw them, in groups and rounds, and
-is thrown away when it cannot be read or the check refuses it, until one is left. Its limits are
-drawn near to what the legs need, so that the check has something to refuse.
+A text is drawn line by line: legs of every type, as their rows draw them, in groups and rounds. A
+text that cannot be read, or that the check refuses, is discarded, and another is drawn. The limits
+are drawn near to what the legs need, so that the check has something to refuse.
 
 What does not live here: the grammar (language), what is proved (check).
 """
@@ -28,7 +28,7 @@ LENGTH = 6  # legs in a body, at most
 
 
 class NoneFound(RuntimeError):
-    """Not one of ``TRIES`` texts passed: the generator or the check has gone wrong."""
+    """None of ``TRIES`` texts passed: the generator or the check is wrong."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,7 +39,7 @@ class Generated:
 
 
 def generate(seed: int, number: int, vehicle: Vehicle) -> Generated:
-    """Raises NoneFound."""
+    """Return a mission by seed and number. Raises NoneFound."""
     rng = Random(f"mission {seed} {number}")
     for _ in range(TRIES):
         text = "\n".join(Writer(rng, f"generated-{number}", vehicle).lines()) + "\n"
@@ -61,7 +61,7 @@ def generate(seed: int, number: int, vehicle: Vehicle) -> Generated:
 
 
 class Writer:
-    """Writes one text, line by line; an Author for the legs' own draws."""
+    """Writes one text, line by line; it is the Author with which legs draw themselves."""
 
     def __init__(self, rng: Random, name: str, vehicle: Vehicle) -> None:
         self.rng, self.name, self._vehicle = rng, name, vehicle
@@ -126,7 +126,7 @@ class Writer:
         return f"timeout {self.rng.randint(20, most)}{otherwise}"
 
     def way(self) -> str:
-        """An axis kept, or stated anew."""
+        """Return no text, which keeps the depth, or another depth."""
         return self.rng.choice(["", f" depth {self.depth()}"])
 
     def lean(self) -> str:

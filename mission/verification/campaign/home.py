@@ -1,11 +1,11 @@
 """Whether a flight has brought its vehicle home.
 
-**Lost**: not at the surface, or with a thruster that turns, at the end, which comes
-``trial.ASCENT`` after the last fault is over and the last mission must have ended. A thruster may
-turn while it still surfaces: without depth and fix it never knows that it has arrived (R7). Faults
-that make surfacing physically impossible all end before that (draw.OUT_OF_HAND, WEIGHT); what
-the check assumes away (a dead Pi while the STM32 is in automatic, an STM32 that hangs for ever
-with its thrusters on) is not drawn.
+**Lost**: at the end the vehicle is not at the surface, or a thruster turns. The end comes at the
+latest ``trial.ASCENT`` after the last fault is over and the last mission must have ended. A
+thruster may turn while the vehicle still surfaces: without depth and fix it never knows that it is
+up (R7). Faults that make surfacing physically impossible end before that (draw.OUT_OF_HAND,
+WEIGHT). The campaign does not draw what the check assumes away: a dead Pi while the STM32 is in
+automatic, and an STM32 that hangs for ever with its thrusters on.
 
 What does not live here: what may not happen on the way (laws, whole_flight).
 """
@@ -39,12 +39,12 @@ from mission.verification.rig.acts import Act
 from mission.verification.rig.trace import Done, Trace
 
 AFLOAT = 0.5  # m (R7)
-HELD = 3.0  # m of a body that its thrusters hold up
+HELD = 3.0  # m: depth of a body that its thrusters hold up
 SANK = 0.6  # m: 1 m by a sensor that may be 0.4 m off (R7, at rest)
-UNDER, ENDED = 0.3, 6  # m, s: an antenna under water, and fixes that have ended for so long
-UNSEEN = 60.0  # s of being let go, in which fixes that end count (R7, at rest)
-RECEIVER_OFF = b"BDGPS C"  # to its node
-TOLD = 10  # s until fixes that end have told it (R7, at rest)
+UNDER, ENDED = 0.3, 6  # m, s: an antenna under water, fixes missing for so long
+UNSEEN = 60.0  # s after letting go in which the end of the fixes counts (R7, at rest)
+RECEIVER_OFF = b"BDGPS C"  # to the receiver's node
+TOLD = 10  # s until the end of the fixes shows it (R7, at rest)
 _SPOIL = (
     *("attitude_", "roll_", "capsized", "listing"),
     *("deaf_to_u", "deaf_to_x", "dives_", "stm32_", "busy"),
@@ -54,7 +54,7 @@ WHOLE_ROUND = 50.0  # s of an ascent's three ways, the last two of them twice as
 
 
 def lost(trial: Trace, profile: str, settings: Settings) -> str:
-    """Why it is, or ""."""
+    """Return why the vehicle is lost, or ""."""
     if _depth_at_end(trial, settings) > _allowed(settings, profile, trial):
         return f"{trial.truth.depth:.1f} m deep at the end, in {trial.state}"
     if trial.turning and trial.state != SURFACING and not _may_turn(trial, settings):
@@ -63,7 +63,10 @@ def lost(trial: Trace, profile: str, settings: Settings) -> str:
 
 
 def _depth_at_end(trial: Trace, settings: Settings) -> float:
-    """m. An ascent that goes on lets go in its turn (R7): what is heavy sinks for that time."""
+    """Return the depth at the end, m; of a heavy vehicle in a long ascent, the least of a round.
+
+    An ascent lets go in its turn (R7), and a heavy vehicle sinks for that time.
+    """
     since = trial.truth.t - WHOLE_ROUND
     entered = max((e.t for e in trial.events if isinstance(e, Step) and e.entered), default=0.0)
     if trial.state != SURFACING or entered > since or net(settings, NEVER) >= SLIGHT:
@@ -72,14 +75,16 @@ def _depth_at_end(trial: Trace, settings: Settings) -> float:
 
 
 def _allowed(settings: Settings, profile: str, trial: Trace) -> float:
-    """m at the end. Physics: what no word that its board obeys can lift stays down. An order:
-    what sinks while AUTO is closed is not brought up (nor in idle over a restart, where fixes
-    spoke against it), nor does anything tame a board that dives until it hears U12; nor is what
-    sinks at rest with a depth that is not believed, or was from the begin (R7). Knowledge: two
-    of three ways push down what lies upside down, and nothing tells that. What is heavy, with a
-    sensor from which nobody can know whether it rises, has its thrusters for a third to two
-    thirds of the time: only where nothing else is wrong with what they do does physics promise
-    that it comes up by that."""
+    """Return the depth that is allowed at the end, m.
+
+    Physics: a vehicle stays down that no command its board obeys can lift. An order: a vehicle that
+    sinks while AUTO is closed is not brought up (nor in idle over a restart, where fixes spoke
+    against it); nothing ends the dive of a board that waits for U12; a vehicle stays down that
+    sinks at rest with a depth that is not believed, or was not from the begin (R7). Knowledge: two
+    of three ways push a vehicle down that lies upside down while nothing shows it. A heavy vehicle
+    whose sensor cannot show a rise has its thrusters for a third to two thirds of the time. Physics
+    promises that this brings it up only where nothing else is wrong with what thrusters do.
+    """
     floats, lifted = net(settings, NEVER), lift(settings, profile, NEVER)
     rests = not trial.state.startswith(AUTONOMOUS) and trial.state != SURFACING
     is_left = any(end == math.inf for _, end in left(trial.events))
@@ -102,8 +107,11 @@ def _allowed(settings: Settings, profile: str, trial: Trace) -> float:
 
 
 def _turns_lift(trial: Trace, settings: Settings) -> bool:
-    """No depth tells, and no angle is doubted: full thrust has forty seconds of sixty (R7), which
-    lifts more than the others let sink, where it lifts by as much as the vehicle is too heavy."""
+    """Whether the turns of full thrust lift the vehicle: no depth tells, and no angle is doubted.
+
+    Full thrust then has forty seconds of sixty (R7). That lifts more than the other turns let sink,
+    where the net thrust is at least as large as the net weight.
+    """
     lasting = [f.name for f in settings.faults if fault_ends(f) >= NEVER]
     return trial.state == SURFACING and not any(
         name.startswith(_SPOIL) or (name.startswith("depth_") and name not in NOT_MISLED)
@@ -112,9 +120,12 @@ def _turns_lift(trial: Trace, settings: Settings) -> bool:
 
 
 def _may_turn(trial: Trace, settings: Settings) -> bool:
-    """It sank out of surfaced, or so a sensor said: a thruster holds it up (R7, at rest). Or its
-    board obeys no stop, and at rest nothing but X is said; or it turns by itself, and nothing
-    tells of it."""
+    """Whether a thruster may turn at the end.
+
+    The vehicle sank out of surfaced, or a sensor reported that: a thruster holds it up (R7, at
+    rest). Or its board obeys no stop, and at rest nothing but X is sent. Or the board turns it by
+    itself, and nothing shows that.
+    """
     if obeys_no_stop(settings, trial.events) or dives_unseen(settings, trial.truth.t):
         return True
     said = any(f.name.startswith(("depth_", "gps_")) for f in settings.faults)
@@ -122,15 +133,17 @@ def _may_turn(trial: Trace, settings: Settings) -> bool:
 
 
 def _sank(trial: Trace, more: float) -> bool:
-    """In truth, or by a depth that may say so many metres more, out of surfaced, and was brought
-    up by itself: fixes that ended tell it later, and so does a receiver that an operator switches
-    off, or whose line is pulled."""
+    """Whether the vehicle sank out of surfaced and was brought up without an order.
+
+    It sank in truth, or by a depth that may read ``more`` m deeper. The end of the fixes shows that
+    later; so does a receiver that an operator switches off, or whose line is pulled.
+    """
     before, off, sank = "", -math.inf, False
     for event in trial.events:
         if isinstance(event, Tx) and event.data == RECEIVER_OFF:
             off = event.t
         if isinstance(event, Done) and event.act is Act.UNPLUG and trial.mission.vehicle != "auv":
-            off = event.t  # what a board knows of its place comes by its own line
+            off = event.t  # a board's place comes by the board's own line
         if not (isinstance(event, Step) and event.entered):
             continue
         state = event.entered[-1]
@@ -142,6 +155,6 @@ def _sank(trial: Trace, more: float) -> bool:
             all(p.depth > UNDER for p in seen[-ENDED:]),
         )
         sank = sank or (again and (deep or under or event.t - off < UNSEEN))
-        sank = sank and state in (SURFACED, SURFACING)  # until the stick or a clear forgets it
+        sank = sank and state in (SURFACED, SURFACING)  # until the stick or a clear ends it
         before = state
     return sank

@@ -1,34 +1,34 @@
-"""What may not come of a disturbed flight: a vehicle lost, a limit overrun, a program that raises.
+"""Laws of a disturbed flight: no vehicle is lost, no limit is overrun, the program raises nothing.
 
 **Lost**: at the end, by `home`.
 
-**Overrun**: truly beyond a limit in force (the tightest of the mission's, the vehicle's, and the
-operator's @SP that was acknowledged) while autonomous or surfacing, by more than detection and
-physics explain:
+**Overrun**: while autonomous or surfacing, the vehicle is truly beyond a limit in force by more
+than detection and physics explain. In force is the tightest of the mission's, the vehicle's and the
+operator's limits (an acknowledged @SP). The laws explain:
 
-    depth   the bound, or where it was when the bound came into force, and
+    depth   the bound, or the depth when the bound came into force, and
               1 m        beyond which R5 counts
               0.4 m      of the depth sensor (bias and noise, three sigma)
               v * s      v: the terminal speed of the dive, from thrust, drag and the least
-                         buoyancy of the flight; s: the seconds that it may go on:
-                4.2        two samples in a row, 2 s apart, and the frame that brings the second
+                         buoyancy of the flight; s: the seconds that the dive may continue:
+                4.2        two samples in a row, 2 s apart, and the frame of the second
                 10 + 1     as built, W does not stick: U12 follows after 10 s (R7), three tries
                 3          until the thrusters have turned the dive round
                 +18        if depths or reports were ever missing or wrong: 12 s until a frozen
                            one is known (five identical samples), 6 s without a depth (design)
-                + all      of what takes the vehicle out of everybody's hands: a board that
-                           hangs, is deaf or dives by itself, a pulled cable, a dead program,
-                           each with the 11 s of another ascent, or the 40 s of another round
-                           where the board obeys one of its ways alone; a program that stands still;
-                           what no word that its board obeys could lift, and what sinks by itself
-                           while its depth sensor does not move with it (excuses)
-                + beside   what depths read less than the truth, by an offset, a drift, a delay; one
-                           that is stuck within half a metre of what is asked for leads down
-                           with 0.25 m/s unseen
-    radius  the bound, and 8 s of way (two samples, their age, the limit's own step), and what
-            dead reckoning cannot know since the last fix: 15 m, the current's way, a quarter of
-            the way through the water; all of that way twice if the compass or a main thruster was
-            not healthy; what the GPS was beside the truth, and what added sensors lied (excuses)
+                + all      the time in which nobody controls the vehicle: a board that hangs, is
+                           deaf or dives by itself, a pulled cable, a dead program, each with the
+                           11 s of another ascent, or the 40 s of another round where the board
+                           obeys only one of its ways; a stalled program; the time in which no
+                           command that the board obeys could lift the vehicle, or it sinks by
+                           itself while its depth sensor does not move with it (excuses)
+                + beside   m by which depths read too shallow: an offset, a drift, a delay; a depth
+                           that is stuck within half a metre of the setpoint leads down with
+                           0.25 m/s unseen
+    radius  the bound, and 8 s of way (two samples, their age, the limit's own step), and the error
+            of dead reckoning since the last fix: 15 m, the current's way, a quarter of the way
+            through the water (or twice the whole way, if the compass or a main thruster was not
+            healthy); the error of the GPS, and that of wrong added sensors (excuses)
     time    the bound, and 1 s, in the mission's legs; time under the stick counts
     report  5 s without a good report (R8), and 0.5 s, in the mission's legs
 
@@ -71,7 +71,7 @@ LOST, OVERRUN, SPURIOUS, RAISED, IGNORED = "lost", "overrun", "spurious", "raise
 DEPTH_MARGIN, DEPTH_ERROR = 1.0, 0.4  # m
 SAMPLES, UNPROVED, TURNED, BLIND = 4.2, 11.0, 3.0, 18.0  # s
 ROUND = 30.0  # s of an ascent's three ways
-WAY, FIX_ERROR, SHARE = 8.0, 15.0, 0.25  # s, m, of the way
+WAY, FIX_ERROR, SHARE = 8.0, 15.0, 0.25  # s, m, share of the way
 LATE = 1.0  # s
 NEAR = 0.25  # m/s
 DOWN = 8.0  # s that a killed program is down at most (disturbances)
@@ -196,8 +196,11 @@ def _number(text: bytes) -> float | None:
 
 
 def dive(settings: Settings, profile: str, trial: Trace) -> float:
-    """m that a dive may go on beyond its bound. Physics: pushes lead down what lies upside down
-    for good, and nothing tells that."""
+    """Return how far a dive may continue beyond its bound, m.
+
+    Without end, by physics, where the vehicle stays upside down and nothing shows it: thrust then
+    leads down.
+    """
     if overturned_untold(settings, trial.events):
         return math.inf
     body = settings.body
@@ -207,8 +210,8 @@ def dive(settings: Settings, profile: str, trial: Trace) -> float:
     diving = [f for f in settings.faults if f.name.startswith("dives_")]
     dives = [f.name for f in diving]
     in_vain = profile == "as-built" or bool(dives)
-    seconds = SAMPLES + TURNED + (UNPROVED if in_vain else 1.0)  # of a W
-    seconds += WHOLE_ROUND * max(len(dives) - 1, 0)  # one of which begins in the last one's cure
+    seconds = SAMPLES + TURNED + (UNPROVED if in_vain else 1.0)  # 1 s: a W
+    seconds += WHOLE_ROUND * max(len(dives) - 1, 0)  # each may begin in the cure of the last
     seconds += WHOLE_ROUND * sum(spoils_a_turn(f, trial.events) for f in diving)
     if any(f.name.startswith(_UNSEEN) for f in settings.faults) or _acts(trial, Act.UNPLUG):
         seconds += BLIND
@@ -229,7 +232,7 @@ def dive(settings: Settings, profile: str, trial: Trace) -> float:
 
 
 def _unseen(settings: Settings, trial: Trace, speed: float) -> float:
-    """m by which a depth that looks well is, or leads, beside the truth."""
+    """Return how far a depth that looks healthy is off, or leads the vehicle too deep, m."""
     metres = 0.0
     for fault in settings.faults:
         lasts = min(fault.duration or ANY[fault.name].duration, trial.truth.t)
@@ -246,7 +249,7 @@ def _unseen(settings: Settings, trial: Trace, speed: float) -> float:
 
 
 def stalls(events: Iterable[Event]) -> list[tuple[float, float]]:
-    """From when to when the program stood still."""
+    """Return the times in which the program was stalled."""
     found: list[tuple[float, float]] = []
     since: float | None = None
     for event in events:
@@ -267,7 +270,7 @@ def _acts(trial: Trace, act: Act) -> list[float]:
 def _depths(trial: Trace, spans: list[Span], dive: float) -> Iterator[Violation]:
     base = 0.0
     bound = math.inf
-    alone = left(trial.events)  # R7: while AUTO is closed nothing brings up what sinks at rest
+    alone = left(trial.events)  # R7: while AUTO is closed a vehicle that sinks at rest stays down
     for span in spans:
         acts = span.autonomous or span.state == SURFACING
         places = [p for p in trial.track if span.begin <= p.t <= span.end]
@@ -290,7 +293,7 @@ def _depths(trial: Trace, spans: list[Span], dive: float) -> Iterator[Violation]
 def _ranges(
     trial: Trace, spans: list[Span], settings: Settings, has_home: bool
 ) -> Iterator[Violation]:
-    """A mission without a home has it where it began (R9)."""
+    """Check the radius. A mission without a home has its home where it began (R9)."""
     astray = any(f.name.startswith(_ASTRAY) for f in settings.faults)
     beside = sum(f.value or 200.0 for f in settings.faults if f.name in _JUMPS)
     beside += lied(settings, trial.truth.t)
@@ -346,5 +349,5 @@ def _times(trial: Trace, spans: list[Span]) -> Iterator[Violation]:
 
 
 def _share(stood: list[tuple[float, float]], begin: float, end: float) -> float:
-    """s between begin and end in which the program stood still."""
+    """Return the seconds between ``begin`` and ``end`` in which the program was stalled."""
     return sum(max(min(e, end) - max(b, begin), 0.0) for b, e in stood)

@@ -1,11 +1,11 @@
-"""Laws of the limits that look at one leg (R5, R8): what it sets, and what comes of it.
+"""Laws of the limits that look at one leg (R5, R8): what the leg sets, and what the vehicle does.
 
-    no progress    the depth that is asked for comes no nearer
-    descent        it goes down, and nothing asks for that
-    heading        the error of the compass grows
+    no progress    the depth comes no nearer to the setpoint
+    descent        the vehicle goes down, and nothing asks for that
+    heading        the error of the heading grows
     power          thrust is set, and no thruster turns
-    uncertain      95 % of the position reach the radius
-    course         at the surface the way over ground is not where it heads
+    uncertain      the 95 % bound of the position reaches the radius
+    course         at the surface the course over ground differs from the heading
 
 What does not live here: when a response is late, and what excuses it (limit_laws).
 """
@@ -24,15 +24,15 @@ from mission.verification.campaign.story import Stay, Story, apart
 from protocol.messages import Setpoint
 
 _NEARER, _OFF, _STUCK = 0.5, 2.6, 136.0  # m, m, s: 0.5 m, 2 m and 120 s (R5)
-_NEARLY = 0.45  # m nearer, which a report that only one of two takes may decide
+_NEARLY = 0.45  # m nearer: a report that only the engine or only the law takes may decide
 _UNASKED, _SINKING = 3.0, 0.2  # m and m/s: 2 m and 0.1 m/s (R5)
-_SLOWLY = 32.0  # s: 20 where no depth is held (R5), and what reports may take
+_SLOWLY = 32.0  # s: 20 where no depth is held (R5), and delays of reports
 _ASTRAY, _GROWN, _STEERED = 40.0, 28.0, 14.0  # deg, deg, s: 30, 20 and 10 (R5)
-_SET, _POWERLESS = 1.5, 7  # s; reports: two, the set again, two more (R8), and what answers take
+_SET, _POWERLESS = 1.5, 7  # s; reports: two, the set again, two more (R8), and the time of answers
 _FALLEN = 6.0  # deg: 10 (R5), and the noise of two reports
 _APART, _UNDER_WAY, _DRIFTS = math.radians(75.0), 0.7, 32.0  # rad, m/s, s: 60 deg, 0.4, 20 s
-_SURE = 1.645  # of a normal: 95 %
-_STANDS = 6.0  # s for which what was seen last stands (R5)
+_SURE = 1.645  # sigmas of a normal distribution: 95 % one-sided
+_STANDS = 6.0  # s for which the last sample stands (R5)
 _NO_COURSE = (
     *("gps_", "gps2_", "depth_", "heading_absurd", "heading_full"),
     *("heading_silent", "heading_frozen", "heading_inter"),
@@ -63,10 +63,10 @@ def _no_progress(story: Story, stay: Stay) -> Iterator[Violation]:
 def waits(
     sets: Iterable[tuple[float, float, Setpoint]], reports: Sequence[Report]
 ) -> Iterator[tuple[float, float, float]]:
-    """Since when the depth that is asked for came no nearer, at each report, and that depth.
+    """Yield at each report: since when the depth came no nearer, the report's time, the setpoint.
 
-    By the reports: noise of a depth that stands may seem to be a step nearer. A report that brings
-    another set, of a heading, still counts for the set before it.
+    The law goes by the reports: noise of a constant depth may look like a step nearer. A report
+    that brings another set, of a heading, still counts for the set before it.
     """
     since = nearest = 0.0
     wanted: float | None = None
@@ -117,7 +117,7 @@ def _asks_down(command: Setpoint, depth: float) -> bool:
 
 
 def _heading_astray(story: Story, stay: Stay) -> Iterator[Violation]:
-    """By the reports: the compass is what the limit has."""
+    """Go by the reports: the limit knows only the compass."""
     for begin, end, heading in _headings(story, stay):
         if heading is None or story.faulty(("heading_absurd", "heading_full"), begin, end):
             continue
@@ -129,7 +129,7 @@ def _heading_astray(story: Story, stay: Stay) -> Iterator[Violation]:
         ]
         seen, (since, least), peak = 0, errors[0] if errors else (begin, 0.0), 0.0
         for (t, error), (_, last) in zip(errors[1:], errors, strict=False):
-            if error < peak - _FALLEN:  # its time begins anew
+            if error < peak - _FALLEN:  # its time restarts
                 since, least, peak = t, error, error
             peak = max(peak, error)
             grown = error - least > _GROWN and error >= last - 4.0
@@ -142,15 +142,15 @@ def _heading_astray(story: Story, stay: Stay) -> Iterator[Violation]:
 
 
 def _headings(story: Story, stay: Stay) -> Iterator[tuple[float, float, float | None]]:
-    """From when to when each is asked for, by one set or by several."""
+    """Yield each commanded heading with its begin and end, over one set or several."""
     for heading, group in groupby(sets_of(story, stay), lambda found: found[2].heading):
         sets = list(group)
         yield sets[0][0], sets[-1][1], heading
 
 
 def _without_power(story: Story, stay: Stay) -> Iterator[Violation]:
-    """Thrust is set, and no thruster turns: something is said; and where that is answered and
-    changes nothing, the mission ends."""
+    """Thrust is set, and no thruster turns: a command leaves. Where it is answered and changes
+    nothing, the mission ends."""
     dead: list[Report] = []
     for begin, end, command in sets_of(story, stay):
         still: list[Report] = []
@@ -180,7 +180,7 @@ def _without_power(story: Story, stay: Stay) -> Iterator[Violation]:
 
 
 def _is_answered(story: Story, begin: float, t: float) -> bool:
-    """The last word of the set that left before then."""
+    """Whether the last command of the set that left before ``t`` was answered."""
     words = [w.t for w in story.words_in(begin, t) if w.data.startswith(b"@ZA")]
     heard = (h.t for h in story.heard if begin <= h.t <= t and ANSWER.search(h.data))
     return bool(words) and story.board is None and max(heard, default=-math.inf) > words[-1]
@@ -190,7 +190,7 @@ def _is_answered(story: Story, begin: float, t: float) -> bool:
 
 
 def _uncertain(story: Story, stay: Stay) -> Iterator[Violation]:
-    """Once it becomes uncertain, another leg: unless it is in that one, or on its way up."""
+    """An uncertain position leads to another leg, unless it is that leg, or on its way up."""
     if stay.ascends or stay.state.endswith(("/surface", f"/{story.mission.on_uncertain}")):
         return
     certain, seen = False, 0
@@ -209,13 +209,13 @@ def _uncertain(story: Story, stay: Stay) -> Iterator[Violation]:
 
 
 def _radius(story: Story, t: float) -> float:
-    """The largest in force in the last seconds."""
+    """Return the largest radius in force in the last 10 s, m."""
     near = [s.bounds.radius for s in story.spans if s.begin <= t and s.end >= t - 10.0]
     return max(near, default=math.inf)
 
 
 def _course_apart(story: Story, stay: Stay) -> Iterator[Violation]:
-    """At the surface, under way, with fixes: by a receiver that no operator has switched off."""
+    """At the surface, under way, with fixes of a receiver that no operator has switched off."""
     since: float | None = None
     last = stay.begin
     speeds = story.vehicle.speed_by_gear
@@ -228,7 +228,7 @@ def _course_apart(story: Story, stay: Stay) -> Iterator[Violation]:
             return
         age, dark, last = told.estimate.fix_age, told.t - last, told.t
         if since is not None and (age is None or age > _STANDS):
-            since += dark  # waves wash over its antenna: nobody can tell
+            since += dark  # waves wash over the antenna: nobody can know
         moves = place.ground_speed > _UNDER_WAY and place.depth < 0.25
         set_out = any(b + 6.0 < told.t < e for b, e, _ in sets)
         known = told.estimate.heading is not None

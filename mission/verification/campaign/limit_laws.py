@@ -1,11 +1,11 @@
-"""Laws of the limits (R5, R8) over the whole flight: passed in truth, and the response in time.
+"""Laws of the limits (R5, R8) over the whole flight: a limit is truly passed, and answered in time.
 
-Each law says when its limit is passed in truth by more than the sensors explain. Reports that came
-are counted, for the limits act by reports: once it is passed in as many as the rule says, and
-two more, the mission must have been left. A sensor with a fault excuses; so does a program that
-stands still. What goes by the clock has the clock.
+Each law defines when its limit is truly passed by more than the sensors explain. The limits act by
+reports, so the laws count reports: when a limit is passed in as many as the rule says, and two
+more, the mission must have been left. A sensor with a fault excuses, and so does a stalled program.
+Limits that go by the clock are judged by the clock.
 
-What does not live here: what looks at one leg (leg_laws), depth, radius, time and silence as bounds
+What does not live here: laws of one leg (leg_laws), depth, radius, time and silence as bounds
 (laws).
 """
 
@@ -30,20 +30,20 @@ from mission.verification.rig.trace import Told
 from protocol.messages import Order, Setpoint
 
 UNANSWERED = "unanswered"
-SPARE = 2  # reports, beside those that the rule asks for
+SPARE = 2  # reports more than the rule asks for
 _DEPTH, _ROLL = 1.0 + 0.5, math.radians(6.0)  # m and rad beyond the bound
 _BLIND, _UNDER = 10.5, 1.0  # s and m: 6 s without a depth, from the next report on
 _CLOGGED = 6.5  # m
 _TOPSIDE = 1.0  # s
-_LOST = 12  # frames: three commands of three tries, and one that a set replaced
-_LOST_OF_ONE, _LAST = 5, "3 of 3)"  # commands of one word: three, and what a set replaced
-_APART = 60.0  # s at most from one of those to the next (R8)
-_BATTERY = {  # V below the bound, and s until that is known: 10 s, and three reports; or noise
+_LOST = 12  # frames: three tries of three commands, and of one that a set replaced
+_LOST_OF_ONE, _LAST = 5, "3 of 3)"  # commands of one letter: three, and those that a set replaced
+_APART = 60.0  # s at most between two of those (R8)
+_BATTERY = {  # V below the bound, s until it is known: 10 and three reports; or noise
     "battery_low": (0.6, 16.0),
     "battery_flickers": (1.5, 120.0),
 }
 _AGAIN = 8.0  # s until a battery is believed again: three reports in range
-_WET, _MUTE = 5.0, ("stm32_silent", "bytes_corrupted")  # s: three reports, and what one takes
+_WET, _MUTE = 5.0, ("stm32_silent", "bytes_corrupted")  # s: three reports, and the time of one
 _ANSWERED = 1.0  # s
 ANSWER, _STOP = re.compile(rb"@ACK_Z"), b"@ZAX0$"
 _AFLOAT = 1.0  # m
@@ -51,7 +51,7 @@ _AFLOAT = 1.0  # m
 
 @dataclass(frozen=True, slots=True)
 class _Limit:
-    """``passed`` of (story, stay, told, since): in truth, by more than sensors explain."""
+    """``passed`` of (story, stay, told): whether truly passed by more than sensors explain."""
 
     name: str
     passed: Callable[[Story, Stay, Told], bool]
@@ -104,8 +104,10 @@ _BY_REPORT = (
 
 
 def _false_alarm(story: Story, stay: Stay) -> Iterator[Violation]:
-    """A mission that a limit ended, of which the truth knows nothing, with that sensor healthy; or
-    with one at full scale, which says nothing about anything."""
+    """A limit ended the mission, though it was not truly passed and its sensor was healthy.
+
+    A sensor at full scale is no excuse: it reports nothing.
+    """
     step = next((s for s in story.steps if s.t == stay.end and s.trigger == "limit"), None)
     names = {e.trigger for e in step.evaluations if e.result} if step is not None else set()
     if "limit depth" in names and not story.faulty(DEPTH_FAULTS, stay.end - 20.0, stay.end):
@@ -116,8 +118,8 @@ def _false_alarm(story: Story, stay: Stay) -> Iterator[Violation]:
     odd = [
         f for f in story.faults(("attitude_", "roll_"), 0.0, stay.end) if "full_scale" not in f.name
     ]
-    ahead = 0 if story.board is None else 1  # s: the truth is told each second, a board's reports
-    worst = max(story.tilt(stay.end + ahead - i) for i in range(9 + ahead))  # come ten in one
+    ahead = 0 if story.board is None else 1  # s: the truth is sampled each second, a board
+    worst = max(story.tilt(stay.end + ahead - i) for i in range(9 + ahead))  # reports ten times
     if "limit roll-over" in names and not odd and worst < story.vehicle.limits.roll - _ROLL:
         yield Violation(UNANSWERED, stay.end, "a limit of roll that was not passed")
 
@@ -136,8 +138,10 @@ def _topside(story: Story, begin: float, end: float) -> Iterator[Violation]:
 
 
 def _unanswered(story: Story, begin: float, end: float) -> Iterator[Violation]:
-    """Words to the vehicle that nothing came back to, where something should; not the stop of an
-    ascent at the surface, which is said until it is answered (R7, R8)."""
+    """Commands to the vehicle that stay unanswered end the mission.
+
+    The stop of an ascent at the surface does not count: it is sent until it is answered (R7, R8).
+    """
     if story.board is not None:
         return
     answers = [h.t for h in story.heard if ANSWER.search(h.data)]
@@ -151,7 +155,7 @@ def _unanswered(story: Story, begin: float, end: float) -> Iterator[Violation]:
 
 
 def _one_unanswered(story: Story, begin: float, end: float) -> Iterator[Violation]:
-    """One word of the sets that nothing comes back to, though the others of them are answered."""
+    """One command of the sets stays unanswered, though the others are answered."""
     if story.board is not None:
         return
     answers = [h.t for h in story.heard if ANSWER.search(h.data)]
@@ -183,7 +187,7 @@ def _asks(story: Story, word: Tx) -> bool:
 
 
 def _voltage(story: Story, begin: float, end: float) -> Iterator[Violation]:
-    """Where the vehicle reports its batteries."""
+    """Check the voltage, where the vehicle reports its batteries."""
     if story.vehicle.constant_batteries or story.profile != "documented":
         return
     for fault in story.settings.faults:
@@ -201,7 +205,7 @@ def _voltage(story: Story, begin: float, end: float) -> Iterator[Violation]:
 def _alone(
     story: Story, fault: FaultEvent, begin: float, end: float
 ) -> Iterator[tuple[float, float]]:
-    """From when to when nothing else is wrong with the battery, and it is believed."""
+    """Yield the times in which nothing else is wrong with the battery, and it is believed."""
     end = min(fault_ends(fault), end)
     others = [f for f in story.settings.faults if f.name.startswith("battery_") and f is not fault]
     for other in sorted(others, key=lambda f: f.begin):
@@ -215,7 +219,7 @@ def _alone(
 
 
 def _leak(story: Story, begin: float, end: float) -> Iterator[Violation]:
-    """Where the vehicle reports it, several times a second."""
+    """Check the leak, where the vehicle reports it several times a second."""
     for fault in story.settings.faults:
         since = max(fault.begin, begin)
         known = since + _WET
@@ -227,7 +231,7 @@ def _leak(story: Story, begin: float, end: float) -> Iterator[Violation]:
 
 
 def _blind(story: Story, begin: float, end: float) -> Iterator[Violation]:
-    """A mission goes on for no longer without a depth."""
+    """A mission without a depth ends in time."""
     for fault, lag in _no_depths(story):
         if fault.begin < begin + 10.0:
             continue
@@ -243,7 +247,7 @@ def _blind(story: Story, begin: float, end: float) -> Iterator[Violation]:
 
 
 def _blind_before(story: Story, flight: list[Stay]) -> Iterator[Violation]:
-    """The same where nothing of a dive was believed: a set that leads down and needs no depth."""
+    """The same where no depth of a dive was believed: its set leads down and needs no depth."""
     spans = [span for stay in flight for span in sets_of(story, stay)]
     downward = [s for s in spans if s[2].altitude is not None or (s[2].heave or 0.0) > 0.0]
     for fault, lag in _no_depths(story):
@@ -259,8 +263,10 @@ def _blind_before(story: Story, flight: list[Stay]) -> Iterator[Violation]:
 
 
 def _no_depths(story: Story) -> Iterator[tuple[FaultEvent, float]]:
-    """What leaves no depth, and after how many s it ends a mission: at full scale, or silent by the
-    board that says so, it is known at once."""
+    """Yield the faults that leave no depth, and the s after which each ends a mission.
+
+    A depth at full scale is known at once, and so is a silent one on a board that reports this.
+    """
     for fault in story.settings.faults:
         silent = fault.name == "depth_silent" and story.profile == "documented"
         if silent or fault.name in ("depth_frozen", "depth_full_scale"):
@@ -268,14 +274,16 @@ def _no_depths(story: Story) -> Iterator[tuple[FaultEvent, float]]:
 
 
 def _may_be_told(story: Story, fault: FaultEvent, begin: float, end: float) -> bool:
-    """R5: what is frozen repeats while a thruster turns."""
+    """Whether the fault can be known: a frozen depth only while a thruster turns (R5)."""
     turns = all(r.may_turn for r in story.reports if begin <= r.t <= end)
     return turns or fault.name != "depth_frozen"
 
 
 def _clogged(story: Story, flight: list[Stay]) -> Iterator[Violation]:
-    """A port that clogs 1 m or more short of what is held: at most 6 m beyond the bound that was in
-    force then (R5). One that an operator tightens later nobody can hold without a depth."""
+    """A port clogs 1 m or more above the depth setpoint: at most 6 m beyond the bound then (R5).
+
+    Nobody can keep a bound without a depth that an operator tightens later.
+    """
     for fault in story.faults(("depth_stuck",), flight[0].begin, flight[-1].end):
         stay = story.stay_at(fault.begin)
         sets = [c for b, e, c in sets_of(story, stay) if b <= fault.begin < e]
@@ -307,12 +315,12 @@ def _clogged(story: Story, flight: list[Stay]) -> Iterator[Violation]:
 
 
 def is_plain(story: Story, begin: float, end: float, faults: tuple[str, ...]) -> bool:
-    """Nothing excuses."""
+    """Whether nothing excuses: the program was not hindered, and these faults were not there."""
     return not (story.hindered(begin, end) or story.faulty(faults, begin, end))
 
 
 def sets_of(story: Story, stay: Stay) -> list[tuple[float, float, Setpoint]]:
-    """The sets of a leg, from when to when; not those of one that ended in the instant before."""
+    """Return (begin, end, set) of a leg, without the sets of a leg that ended just before it."""
     steps = [step for step in story.steps if stay.begin <= step.t < stay.end]
     steps = steps[next((i for i, step in enumerate(steps) if step is stay.step), 0) :]
     found = [(step.t, command) for step in steps if (command := _set_of(step)) is not None]

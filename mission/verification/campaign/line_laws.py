@@ -1,4 +1,4 @@
-"""Laws of a line to the vehicle that was away: what holds there is said again (R8).
+"""Laws of a line to the vehicle that was disconnected: the command in force is sent again (R8).
 
 What does not live here: what leaves before (word_laws), who asked for it (audit).
 """
@@ -15,14 +15,16 @@ from mission.verification.rig.acts import Act
 from mission.verification.rig.program import DEAD
 from mission.verification.rig.trace import Done
 
-_BESIDE = 0.5  # s before, from which on nothing else may have been done
-_LONG = 1.0  # s in the state: what it says has left
+_BESIDE = 0.5  # s before the line is back: no other disturbance since then
+_LONG = 1.0  # s in the state: its command has left
 _AGAIN = 2.5  # s
 
 
 def line_laws(story: Story) -> Iterator[Violation]:
-    """A stop, a leg's set, the way of an ascent, or what holds it up. Of boards that are told all
-    the time, nothing."""
+    """A stop, a leg's set, the way of an ascent or the thrust that holds up is sent again.
+
+    Boards that get their commands all the time are left out.
+    """
     for plug in story.done if story.board is None else ():
         due = plug.t + _AGAIN
         if plug.act is not Act.PLUG or due > story.end or not _holds(story, plug, due):
@@ -33,7 +35,7 @@ def line_laws(story: Story) -> Iterator[Violation]:
 
 
 def _holds(story: Story, plug: Done, due: float) -> bool:
-    """It was and is in one state, in which something was said, and nothing else was done."""
+    """Whether the state stayed the same, a command had left in it, and nothing else happened."""
     stay = story.stay_at(due)
     others = any(plug.t - _BESIDE <= d.t <= due and d is not plug for d in story.done)
     if others or stay.begin > plug.t - _LONG or stay.state in (DEAD, MANUAL_DRIVING):

@@ -1,22 +1,22 @@
 """Margins: how near a flight came to breaking each law. They steer the search.
 
-A margin is 1 where nothing of the kind happened and 0 where nothing is left of the bound. Where a
-limit has been passed the lower half is what is left of the time to answer it. (Robustness, as of
-signal temporal logic: Fainekos and Pappas, Theoretical Computer Science 410, 2009; here by law, and
-each in shares of its own bound.) A program that is dead or stands still, and for the depth a sensor
-that is not healthy, excuse here as they do there.
+A margin is 1 where nothing of the kind happened, and 0 where the bound is used up. After a limit
+has been passed, the margin is below 0.5: the share that is left of the time to answer it. (This is
+robustness as in signal temporal logic: Fainekos and Pappas, Theoretical Computer Science 410, 2009;
+here by law, each as a share of its own bound.) The excuses are those of the laws: a program that is
+dead or stalled, and for the depth an unhealthy sensor.
 
-    depth, radius, tilt   beyond the limit, in truth, and still in the mission
-    time, reports, topside, answers                  what the clock of the mission's limits says
-    sensor    flown on with a sensor that fails      AUTO       closed, and under way
-    rest      deep, or going down, at rest           ascent     of an ascent that does not rise
-    upward    from a restart to an upward word       stop       without an X0 that is acknowledged
-    turning   a thruster at rest, and no X0          order      from an X or W to the line
-    surface   how deep just before surfaced is said  begin      how deep at a start, or a clear
-    stick     without M, in manual                   estimate   beside the truth
+    depth, radius, tilt   truly beyond the limit, and still in the mission
+    time, reports, topside, answers                  the times of the mission's limits
+    sensor    time flown with a failing sensor       AUTO       time closed, and under way
+    rest      deep, or going down, at rest           ascent     time in which it does not rise
+    upward    from a restart to an upward command    stop       time without an acknowledged X0
+    turning   a thruster on at rest, and no X0       order      from an X or W to the line
+    surface   how deep just before surfaced          begin      how deep at a start, or a clear
+    stick     time without M, in manual              estimate   error of the estimate
     end       how deep at the end
 
-What does not live here: the laws (laws, whole_flight), what is excused.
+What does not live here: the laws (laws, whole_flight), the excuses (excuses).
 """
 
 from __future__ import annotations
@@ -50,13 +50,13 @@ _FAILS, _CLOSED = 60.0, 6.0  # s
 _SENSORS = ("depth_", "heading_", "attitude_", "altitude_", "roll_", "gps_")
 _STOPPED_ACK = re.compile(rb"@ACK_Z[XA]Y\$")
 _ORDER = re.compile(rb"@ZA(?:X0|WF)\$")
-# What asks for acknowledges, which no board of another document gives, or for a place.
+# Margins that need acknowledgements, which only the AUV's board gives; and a place.
 _ANSWERED, _PLACED = frozenset({"answers", "stop", "order"}), frozenset({"radius", "estimate"})
 Margin = Callable[[Story], Iterable[float]]
 
 
 def margins(story: Story) -> dict[str, float]:
-    """The least margin of each kind that the flight has, of those that are the vehicle's."""
+    """Return the least margin of each kind, as far as the vehicle has them."""
     found = {}
     place = "position" in story.vehicle.reports
     for name, law in MARGINS.items():
@@ -73,8 +73,7 @@ def _left(used: float, allowed: float) -> float:
 
 
 def _plain(story: Story, begin: float, end: float) -> bool:
-    """Whether nothing excuses the flight: neither the depth sensor nor a program kept from its
-    part."""
+    """Whether nothing excuses the flight: neither the depth sensor nor a hindered program."""
     return not (story.hindered(begin, end) or story.faulty(DEPTH_FAULTS, begin, end))
 
 
@@ -82,7 +81,7 @@ def _plain(story: Story, begin: float, end: float) -> bool:
 
 
 def _passed(story: Story, seconds: float, share: Callable[[Span, Truth], float]) -> Iterator[float]:
-    """``share`` of the bound that is used, at any second of a mission."""
+    """Yield margins at any second of a mission; ``share`` is the part of the bound that is used."""
     beyond = 0.0
     for span in story.spans:
         places = story.trial.track[math.ceil(span.begin) : int(span.end) + 1]
@@ -113,7 +112,7 @@ def _time(story: Story) -> Iterator[float]:
 
 
 def _pauses(story: Story, times: list[float]) -> Iterator[float]:
-    """The longest pauses without one in each mission, s."""
+    """Yield the pauses between ``times`` in each mission, s."""
     for flight in story.flights():
         for begin, end in gaps(times, flight[0].begin, flight[-1].end):
             if not story.hindered(begin, end):
@@ -179,7 +178,7 @@ def _ascent(story: Story) -> Iterator[float]:
 
 
 def _upward(story: Story) -> Iterator[float]:
-    """Margin of the time from a restart under way to the first upward word."""
+    """Yield margins of the time from a restart under way to the first upward command."""
     for was, dead, stay in zip(story.stays, story.stays[1:], story.stays[2:], strict=False):
         under_way = was.autonomous or was.state == SURFACING
         if dead.state == DEAD and under_way and story.end > stay.begin + _UPWARD:
@@ -189,7 +188,7 @@ def _upward(story: Story) -> Iterator[float]:
 
 
 def _surface(story: Story) -> Iterator[float]:
-    """By what proves it: shallow for seconds, or the antenna out of the water."""
+    """Yield margins of the surface's proof: shallow for seconds, or an antenna above water."""
     for stay in story.stays:
         t = stay.begin
         claims = stay.state == SURFACED and stay.before == SURFACING

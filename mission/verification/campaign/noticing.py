@@ -1,8 +1,8 @@
 """How many flights it takes until one notices a broken rule: drawn by chance, or searched.
 
-A flight that the whole program flies without a violation, and the broken one does not, has noticed.
-The whole program's flights serve all rules: those that could not have made a difference to a flight
-(reached) are not flown again.
+A flight notices when the whole program flies it without a violation and the broken program does
+not. The whole program's flights serve all rules. A flight is not flown again with a rule broken
+that could not have changed it (reached).
 
 What does not live here: how a rule is broken (broken), which flights a search asks for (search).
 """
@@ -25,8 +25,8 @@ from mission.verification.campaign.unseen import unseen
 
 @dataclass(frozen=True, slots=True)
 class Noticed:
-    """``flights`` that it took, None: in none of them; ``by`` is the law. ``reason``: why no flight
-    can tell, "" if one can."""
+    """``flights``: how many it took, None if none noticed; ``by``: the law that was broken.
+    ``reason``: why no flight can notice, "" if one can."""
 
     name: str
     rule: str
@@ -43,7 +43,7 @@ class Flown:
 
 
 class Flights:
-    """Of one seed. A flight's name is its number by chance, or what ``steered`` calls it."""
+    """The flights of one seed. A name is a random flight's number, or a name of ``steered``."""
 
     def __init__(self, seed: int, known: Sequence[Subject]) -> None:
         self.seed, self.known, self.vehicle = seed, known, known[0].vehicle
@@ -76,12 +76,12 @@ def _fly(plan: Plan) -> Flown:
 
 @functools.lru_cache(maxsize=1)
 def flights_of(seed: int, known: tuple[Subject, ...]) -> Flights:
-    """Those that this process has flown already with them."""
+    """Return the flights of this process, with those that it has already flown."""
     return Flights(seed, known)
 
 
 def notice(rule: str, flights: Flights, most: int, *, searched: bool = False) -> Noticed:
-    """Flies until a flight notices the broken rule, at most ``most``."""
+    """Fly until a flight notices the broken rule, at most ``most`` flights."""
     row = BROKEN[rule]
     names = _searched(rule, flights) if searched else map(str, range(most))
     for number, name in zip(range(1, most + 1), names, strict=False):
@@ -92,7 +92,7 @@ def notice(rule: str, flights: Flights, most: int, *, searched: bool = False) ->
 
 
 def _searched(rule: str, flights: Flights) -> Iterator[str]:
-    """What a search asks for that is told of the broken program alone."""
+    """Yield the flights of a search that learns from the broken program alone."""
     search = Search(flights.known)
     while True:
         names = search.generation()
@@ -103,7 +103,7 @@ def _searched(rule: str, flights: Flights) -> Iterator[str]:
 
 
 def in_table(noticed: Noticed) -> str:
-    """A row of the table in docs/quality.md."""
+    """Return a row of the table in docs/quality.md."""
     seen = "no" if noticed.flights is None else str(noticed.flights)
     return f"| {noticed.name} | {noticed.rule} | {seen} | {noticed.by or noticed.reason} |"
 

@@ -1,9 +1,9 @@
-"""Orders must leave in time: X and W within 100 ms of being known (R7), a set within 5 s (R12).
+"""Orders must leave in time: X and W within 100 ms of being known (R7), a set within 5 s (R7).
 
-X and W are looked for in whatever came while the program ran, whatever stands around them; in the
-turn of another way of an ascent W leaves once, and none behind an ascent that has ended. The sets
-are those of the Steps: a leg's, both halves of an ascent's. What a later order, another set, the
-stick or the program's death overtook in time is excused.
+The laws look for X and W in all bytes that came while the program ran, whatever stands around them.
+In an ascent, a W leaves only once in the turn of another way, and none after the ascent has ended.
+The sets are those of the Steps: a leg's, both halves of an ascent's. A set is excused that a later
+order, another set, the stick or the program's death replaced in time.
 
 What does not live here: who else asked for a byte (audit).
 """
@@ -23,7 +23,7 @@ from protocol.messages import Order, Setpoint
 from protocol.topside import EMERGENCIES
 from protocol.vehicles.auv import AuvCodec
 
-WITHIN = 0.1  # s from known to on its way
+WITHIN = 0.1  # s from being known to being sent
 SET = 5.1  # s: the time that a set has, and the frame that is on the line
 _SAME = 1e-6  # s
 _CLEAR = EMERGENCIES[Order.STOP]
@@ -37,7 +37,7 @@ class Ignored:
 
 
 def ignored(events: Sequence[Event], dialect: str) -> list[Ignored]:
-    """Orders and sets that did not leave in time."""
+    """Return the orders and sets that did not leave in time."""
     return sorted([*orders(events), *_sets(events, dialect)], key=lambda one: one.t)
 
 
@@ -48,10 +48,10 @@ def itself(data: bytes) -> frozenset[bytes]:
 def orders(
     events: Sequence[Event], means: Callable[[bytes], frozenset[bytes]] = itself
 ) -> Iterator[Ignored]:
-    """``means``: the words of X and W that bytes to the vehicle are."""
+    """Yield ignored X and W; ``means`` returns which of them bytes to the vehicle stand for."""
     waits: tuple[Said, bytes] | None = None
-    lives, leads = True, False  # W is the first word of a step in the turn of another way
-    heard = excused = False  # W has left in that turn; as it was said
+    lives, leads = True, False  # a W leads the Step of another way's turn
+    heard = excused = False  # W has left in that turn; had left as W came
     for event in events:
         if waits is not None and event.t > waits[0].t + WITHIN + _SAME:
             said, frame = waits
@@ -63,7 +63,7 @@ def orders(
                 leads, heard = _leads(event, leads), _goes_on(event) and heard
                 up = event.entered[-1:] == (SURFACED,)
                 if up and waits is not None and waits[1] == EMERGENCIES[Order.SURFACE]:
-                    waits = None  # the surface is proved, and what is there is stopped
+                    waits = None  # the surface is proved, and everything is stopped
             case Said(data=data) if lives and (found := _ORDER.findall(data)):
                 waits, excused = (event, found[-1]), heard
             case Done(act=Act.STALL):
@@ -81,21 +81,24 @@ def orders(
 
 
 def _leads(step: Step, before: bool) -> bool:
-    """Whether a W has to leave before the way in use, behind a step."""
+    """Whether, after a Step, a W has to leave before the way in use."""
     if commands := commands_of(step):
         return commands[0] is Order.SURFACE and len(commands) > 1
     return before and _goes_on(step)
 
 
 def _goes_on(step: Step) -> bool:
-    """The turn that was, behind a step."""
+    """Whether the turn of the way continues after a Step."""
     is_left = step.entered and step.entered[-1] != SURFACING
     return not (is_left or commands_of(step))
 
 
 def _sets(events: Sequence[Event], dialect: str) -> Iterator[Ignored]:
-    """A newer set of the same leg has what is left of the time of the one before. X0 at the head
-    of one that steers is left out: there is nothing to clear."""
+    """Yield the sets that did not leave in time.
+
+    A newer set of the same leg has the remaining time of the set before. The X0 at the head of a
+    set that steers does not count: it has nothing to clear.
+    """
     encode = AuvCodec(dialect).encode
     since, owed = 0.0, list[bytes]()
     for event in events:

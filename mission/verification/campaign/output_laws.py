@@ -1,9 +1,9 @@
-"""Laws of what is set beside the motion (R18), by the bytes to a board of documents 002 to 004.
+"""Laws of the outputs beside the motion (R18), by the bytes to a board of documents 002 to 004.
 
-    safe     within 0.5 s of an emergency every output that can be taken back is said to be safe,
-             and stays so while the emergency lasts
-    final    what cannot be taken back is set by an @AO alone, or, where the vehicle file arms it,
-             by an ascent of 120 s that has gained nothing, or may have: its depth was wrong
+    safe     within 0.5 s of an emergency every reversible output is commanded safe, and stays safe
+             while the emergency lasts
+    final    an irreversible output is set only by an @AO; or, where the vehicle file arms it, by an
+             ascent of 120 s that has gained nothing, or whose gain is unknown: its depth was wrong
 
 The AUV's shipped file names no outputs. What does not live here: who may set what
 (mission.engine.outputs).
@@ -31,7 +31,7 @@ from protocol.vehicles import link
 from protocol.vehicles.robot_outputs import GIMBAL
 
 SAFE_S = 0.5  # s
-_ERROR = 1.0  # m of a depth that is read
+_ERROR = 1.0  # m: error of a depth reading
 _AO = re.compile(rb"@AO,(\w+),")
 Levels = Mapping[str, float]  # by channel
 Said = tuple[float, Levels]
@@ -56,7 +56,7 @@ def output_laws(story: Story) -> Iterator[Violation]:
 
 
 def _said(story: Story) -> Iterator[Said]:
-    """What each frame to the vehicle says of its channels."""
+    """Yield the levels that each frame to the vehicle sets, by channel."""
     name = story.vehicle.codec
     tolerances = Tolerances.parse(story.vehicle.tolerances)
     channels = {output.channel for output in story.vehicle.outputs}
@@ -85,7 +85,7 @@ def _levels(name: str, values: Mapping[str, Any]) -> Iterator[tuple[str, float]]
 
 
 def _of_robot(values: Mapping[str, Any]) -> Iterator[tuple[str, float]]:
-    """The gimbal's; the power module's have no safe value in the shipped file."""
+    """The gimbal's levels; the shipped file has no safe values for the power module."""
     of = values["address"], values["command"]
     if of in ((GIMBAL, 0), (GIMBAL, 2)):
         for axis in ("yaw", "pitch"):
@@ -96,7 +96,7 @@ def _of_robot(values: Mapping[str, Any]) -> Iterator[tuple[str, float]]:
 
 
 def _not_safe(story: Story, stay: Stay, said: list[Said]) -> Iterator[Violation]:
-    """The last word about each before the time is over, and every later one in the emergency."""
+    """Judge each output's last level in ``SAFE_S``, and all later ones in the emergency."""
     by = stay.begin + SAFE_S
     if stay.end < by or story.hindered(stay.begin - SAFE_S, by):
         return
@@ -111,7 +111,7 @@ def _not_safe(story: Story, stay: Stay, said: list[Said]) -> Iterator[Violation]
 
 
 def _not_asked(story: Story, output: Output, said: list[Said]) -> Iterator[Violation]:
-    """The first frame that sets it."""
+    """Judge the first frame that sets the output."""
     told = ((t, levels[output.channel]) for t, levels in said if output.channel in levels)
     at = next((t for t, level in told if _differs(level, output.safe)), None)
     if at is None or _ordered(story, output, at):
@@ -126,8 +126,10 @@ def _ordered(story: Story, output: Output, t: float) -> bool:
 
 
 def _in_vain(story: Story, t: float) -> bool:
-    """An ascent has lasted for the time, and the true depth has not fallen by more than can be
-    read wrongly, or nobody could know (R7)."""
+    """Whether an ascent has lasted for the time without a gain, or nobody could know one (R7).
+
+    A gain counts by the true depth, beyond the error of a reading.
+    """
     since = t - WITHIN
     climbs = all(s.ascends for s in story.stays if s.begin < t and s.end > since + SAME)
     unknown = story.faulty(DEPTH_FAULTS, since, t)

@@ -1,4 +1,4 @@
-"""What a Step lets leave for the vehicle: one frame, its tries, and until when.
+"""What a Step allows to leave for the vehicle: one frame, its tries, and until when.
 
 What does not live here: which Step gives one (audit).
 """
@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-STALE = 1.5  # s after which no try of an older set may be left
+STALE = 1.5  # s after which an older set has no try left
 
 
 @dataclass(slots=True)
@@ -18,11 +18,11 @@ class Permit:
     since: float
     lifts: bool = False  # an ascent's U12 is said again (R7)
     tries: int = 0
-    begun: bool = False  # it has left, or it was an older one that looks the same
+    begun: bool = False  # it has left, or an older one that looks the same
     ends: float = math.inf
 
     def sent(self, t: float) -> None:
-        """What left at the instant when it was replaced has its tries still before it."""
+        """Count a frame. One that leaves just as it is replaced still has its tries."""
         if not self.tries and self.ends < math.inf and not self.order:
             self.ends = t + STALE
         self.tries += 1

@@ -1,16 +1,16 @@
 """Flights within what the check assumed, against what it proved.
 
-A mission that passed is flown in any current up to the assumed one, started anywhere within the
-assumed distance of home, with a compass, a speed scale and a floor within what is assumed, with
-sensors that fail and links that are lost. Then, from the start to the end of what was started
-(idle, or the surface after an emergency):
+A mission that passed the check is flown in any current up to the assumed one, from any start within
+the assumed distance of home, with a compass, a speed scale and a floor within the assumptions, with
+failing sensors and lost links. From the start to the end of the mission (idle, or the surface after
+an emergency) these laws hold:
 
     time    not past the proved worst time      range   never beyond the proved one
     depth   never beyond the proved one (that    energy  no more than was proved
             for a failed sensor, if one fails)  end     at the surface, by itself
 
-Link loss is that of the boat, and of the line's telemetry and answers; a line over which commands
-get lost is a vehicle out of everybody's hands for so long, and a matter of the fault campaign.
+Lost links are that to the boat, and the line's telemetry and answers. A line that loses commands
+leaves the vehicle without control for so long; the fault campaign covers it.
 
 What does not live here: what is proved (check), the flight (trial).
 """
@@ -44,16 +44,16 @@ from mission.verification.rig.trace import Trace, from_home
 from mission.verification.rig.vehicle import body_of
 
 MOST = 3  # faults a flight
-BIAS = math.radians(4.0)  # one sigma, of the compass; cut at two (assumed: 12 deg)
-SPEED = 0.08  # one sigma, of the speed scale; cut at two (assumed: 20 %)
+BIAS = math.radians(4.0)  # one sigma of the compass; cut at two (assumed: 12 deg)
+SPEED = 0.08  # one sigma of the speed scale; cut at two (assumed: 20 %)
 LINKS = ("stm32_silent", "ack_lost", "bytes_corrupted", "line_noise", "splice")
 LOST_LINKS = ("topside_lost", "topside_garbage", "topside_floods")
 TIME, DEPTH, RANGE, ENERGY, END = "time", "depth", "range", "energy", "end"
 AREA = "area"
 _BLIND = ("depth_", "altitude_")
 _DARK = ("depth_", "stm32_silent")
-_RECEIVER = "gps_lost"  # what only a vehicle with one can have
-LOOKS_WELL = ("_stuck", "_drifting", "_late")  # of a sensor: near what is asked for unseen
+_RECEIVER = "gps_lost"  # only a vehicle with a receiver can have it
+LOOKS_WELL = ("_stuck", "_drifting", "_late")  # of a sensor: unseen near the setpoint
 LOSSES = (
     *(f"{s.name.lower()}_{h.value}" for s in Sensor for h in Health if h is not Health.HEALTHY),
     *("gps_lost", "gps_silent", "gps_corrupted", *LINKS),
@@ -62,7 +62,7 @@ LOSSES = (
 
 @dataclass(frozen=True, slots=True)
 class Claim:
-    """A mission with what was proved of it; ``source`` is the way to it on a command line."""
+    """A mission with its proof; ``source`` names it on a command line."""
 
     source: str
     mission: Mission
@@ -96,7 +96,7 @@ class Proof:
 
 @dataclass(frozen=True, slots=True)
 class Margin:
-    """What a flight needed, or what was proved: s, m from home, m deep, J."""
+    """Bounds that a flight needed, or that were proved: s, m from home, m deep, J."""
 
     time: float
     range: float
@@ -110,7 +110,7 @@ Draw = Callable[[Claim, Vehicle, int, int], Proof]
 
 @dataclass(frozen=True, slots=True)
 class Shown:
-    """What came of one flight."""
+    """The result of one flight."""
 
     source: str
     flight: int
@@ -122,7 +122,7 @@ class Shown:
 
 
 def losses_of(vehicle: str) -> list[str]:
-    """Those of LOSSES that it can have."""
+    """Return those of LOSSES that the vehicle can have."""
     there = faults_of(vehicle)
     return [name for name in LOSSES if name in there]
 
@@ -169,7 +169,7 @@ def _errors(rng: Random) -> SensorErrors:
 
 
 def _body(rng: Random, vehicle: str) -> Body:
-    """A simulated board has its own, but for what it weighs."""
+    """Draw the body. A simulated board has a body of its own, but for the weight."""
     body = body_of(vehicle)
     return replace(body, main_thrust=body.main_thrust * (1.0 + _within(rng, SPEED)) ** 2)
 
@@ -210,14 +210,17 @@ def show(claim: Claim, vehicle: Vehicle, seed: int, flight: int, draw: Draw = dr
 
 
 def _proved(claim: Claim, vehicle: Vehicle, proof: Proof) -> Margin:
-    """Where a reading stands and looks well, the ascent from the blind depth counts as well; where
-    the depth is not believed, the time until fixes prove the surface: for ever without any."""
+    """Return the proved bounds, with the additions for the faults of the flight.
+
+    Where a wrong reading looks healthy, the ascent from the blind depth is added. Where the depth
+    is not believed, the time until fixes prove the surface is added: for ever without fixes.
+    """
     proved = claim.proved
     faults = [event.name for event in proof.settings.faults if event.name.startswith(_BLIND)]
     depth = proved.blind_depth if faults else proved.max_depth
     longer = proved.blind_time if any(name.endswith(LOOKS_WELL) for name in faults) else 0.0
     if any(event.name.startswith(_DARK) for event in proof.settings.faults):
-        longer += proved.dark_time
+        longer += min(proved.dark_time, FOREVER)
     if any(name.startswith("depth_") for name in faults) and not _has_fixes(claim, proof):
         longer += FOREVER
     battery = vehicle.battery
@@ -230,13 +233,13 @@ def _proved(claim: Claim, vehicle: Vehicle, proof: Proof) -> Margin:
 
 
 def _has_fixes(claim: Claim, proof: Proof) -> bool:
-    """Whether it has a receiver, and that one comes back where it fails."""
+    """Whether the vehicle has a receiver, and every failure of it ends."""
     lost = (e.name.startswith("gps_") and fault_ends(e) == math.inf for e in proof.settings.faults)
     return _RECEIVER in losses_of(claim.mission.vehicle) and not any(lost)
 
 
 def _times(trial: Trace) -> tuple[float | None, float | None]:
-    """When the mission began, and when it or its emergency had ended."""
+    """Return when the mission began, and when it or its emergency ended; None if not."""
     begun = None
     for event in trial.events:
         if not isinstance(event, Step) or not event.entered:
@@ -263,7 +266,7 @@ def _needed(trial: Trace, vehicle: Vehicle, begun: float, ended: float) -> Margi
 def _areas(
     trial: Trace, mission: Mission, begun: float, ended: float | None
 ) -> Iterator[Violation]:
-    """The first place where it truly breaks an area."""
+    """Yield the first place where the vehicle truly breaks an area."""
     fences = fenced(mission)
     for place in trial.track if fences else ():
         inside = begun <= place.t <= (trial.truth.t if ended is None else ended)
@@ -289,7 +292,7 @@ def _violations(
     if needed.energy > proved.energy:
         says = f"{needed.energy / 3600:.1f} Wh, proved {proved.energy / 3600:.1f} Wh"
         yield Violation(ENERGY, begun, says)
-    never_knows = proved.time >= FOREVER  # that it is up
+    never_knows = proved.time >= FOREVER  # that the vehicle is up
     if (ended is None and not never_knows) or trial.truth.depth > AFLOAT:
         says = f"{trial.truth.depth:.1f} m deep, in {trial.state}"
         yield Violation(END, trial.truth.t, says)

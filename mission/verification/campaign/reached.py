@@ -1,11 +1,11 @@
 """Finds which broken rules could have changed a flight: those whose code the flight reaches.
 
-A rule that was not reached, in every function that would be broken, would have had the same flight:
-it need not be flown again with the rule broken.
+If a flight reaches none of the functions that a break replaces, the flight would be the same with
+the rule broken, and is not flown again.
 
-    a function    reached when it is called; or, where nothing but its result matters
-                  (``Broken.alike``), when the broken one would have returned something else;
-                  where it depends on what it is given, when it is given that (``Broken.when``)
+    a function    is reached when it is called; where only its result matters (``Broken.alike``),
+                  when the broken one would have returned another result; where it depends on its
+                  arguments (``Broken.when``), when it is called with such arguments
     a property    when the broken one would have another value
     LIMITS        when a row that would be left out is breached
     a number      always
@@ -27,7 +27,7 @@ from mission.verification.campaign.surgery import Broken, Surgery, differs, same
 
 @contextmanager
 def reached() -> Iterator[set[str]]:
-    """Of BROKEN, those that are reached while it lasts."""
+    """Collect the names of the rules in BROKEN that are reached within the context."""
     found: set[str] = set()
     surgeries = []
     try:
@@ -41,7 +41,7 @@ def reached() -> Iterator[set[str]]:
 
 
 class _Witness(Surgery):
-    """Puts the same in place, which tells when it is reached."""
+    """Replaces each object by one that does the same and tells when it is reached."""
 
     def __init__(self, row: Broken, tell: Callable[[], None]) -> None:
         super().__init__()

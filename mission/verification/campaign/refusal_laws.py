@@ -1,6 +1,6 @@
-"""A set that the vehicle answers N is given up: the leg's else (R8).
+"""A set that the vehicle answers N leads to the leg's else (R8).
 
-What does not live here: other laws of words (word_laws).
+What does not live here: other laws of commands (word_laws).
 """
 
 from __future__ import annotations
@@ -19,15 +19,18 @@ _REFUSED = re.compile(rb"@ACK_Z([A-Z])N\$")
 
 
 def heeds_refusals(story: Story) -> Iterator[Violation]:
-    """Where nothing else can be meant: each word in the second before was answered in its turn. Not
-    the stop of an ascent that is over, which is no part of the leg's set."""
+    """A refused set ends the leg.
+
+    An N counts where it is clear what it answers: each command in the second before was answered in
+    its turn. The stop of an ascent that is over is no part of the leg's set.
+    """
     for heard in story.heard:
         found = _REFUSED.search(heard.data)
         if found is None:
             continue
         word = _answered(story, heard)
         if word is None or found[1] not in (b"A", word.data[3:4]):
-            continue  # it is another word's
+            continue  # it answers another command
         stay = story.stay_at(heard.t)
         if (
             not stay.autonomous
@@ -43,7 +46,7 @@ def heeds_refusals(story: Story) -> Iterator[Violation]:
 
 
 def _answered(story: Story, heard: Heard) -> Tx | None:
-    """The last word before, if every word in a second had one answer before the next."""
+    """Return the last command, if each one in the last second had one answer before the next."""
     words = story.words_in(heard.t - 1.0, heard.t - 0.005)
     if not words:
         return None

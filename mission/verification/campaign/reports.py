@@ -1,8 +1,8 @@
-"""What a vehicle reported in a flight, as the laws of limits and words read it.
+"""What a vehicle reported in a flight, as the laws of limits and commands read it.
 
     AUV        every whole @SD
-    a board    of documents 002 to 004: one report of every 2 s, as the AUV has them, so that what a
-               law counts in reports is as long; thrusters where it tells them
+    a board    of documents 002 to 004: one report every 2 s, as of the AUV, so that a law's number
+               of reports lasts as long; thrusters where the board reports them
 
 What does not live here: the laws, what the engine takes from a report.
 """
@@ -30,7 +30,7 @@ _VERTICALS = slice(2, 5)  # of the thrusters
 
 
 class Report(NamedTuple):
-    """deg, yaw to port positive; m; us of the thrusters, empty where none is told."""
+    """deg, yaw to port positive; m; us of the thrusters, empty where none is reported."""
 
     t: float
     roll: float
@@ -41,12 +41,12 @@ class Report(NamedTuple):
 
     @property
     def turning(self) -> bool:
-        """A thruster is on, and that is told."""
+        """Whether the report shows a thruster on."""
         return any(abs(pwm - _NEUTRAL_US) > _ON_US for pwm in self.pwm)
 
     @property
     def pushing(self) -> bool:
-        """A vertical gives more than half of full thrust, up or down, and that is told."""
+        """Whether the report shows a vertical at more than half of full thrust, up or down."""
         return any(abs(pwm - _NEUTRAL_US) > 0.5 * _FULL_US for pwm in self.pwm[_VERTICALS])
 
     @property
@@ -56,12 +56,12 @@ class Report(NamedTuple):
 
 @functools.lru_cache(maxsize=4096)
 def decoded(report: bytes) -> Mapping[str, Any]:
-    """What an @SD says: several laws ask in turn."""
+    """Decode an @SD, cached since several laws ask for it."""
     return SD.decode(report)
 
 
 def reports(heard: Sequence[Heard], vehicle: Vehicle) -> Iterator[Report]:
-    """Those that came in one piece, and as they were sent."""
+    """Yield the reports that arrived whole and undamaged."""
     return _of_auv(heard) if vehicle.codec == "auv" else _of_board(heard, vehicle)
 
 

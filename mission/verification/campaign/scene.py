@@ -20,7 +20,7 @@ X, W, AA, AC = b"@ZAX0$", b"@ZAWF$", b"@AA$", b"@AC$"
 
 @dataclass(frozen=True, slots=True)
 class Scene:
-    """As drawn. ``silence``: of the topside, s; ``batteries``: the vehicle reports them."""
+    """A scene as drawn. ``silence``: the topside's longest, s; ``batteries``: they are reported."""
 
     text: str
     faults: tuple[FaultEvent, ...] = ()
@@ -57,5 +57,5 @@ def fault(
 
 
 def heavy(rng: Random, begin: float, duration: float = FOREVER) -> FaultEvent:
-    """Beyond neutral, and within what the thrusters can lift."""
+    """Draw a weight: heavier than neutral, and within what the thrusters can lift."""
     return fault("heavy", begin, duration, round(rng.uniform(20.0, 45.0), 1))

@@ -1,7 +1,7 @@
-"""Missions of the campaign's own: short, and each with the one leg that a scene needs; in the words
-of each vehicle that flies it.
+"""The campaign's own missions: short, each with the one leg that a scene needs, in the commands of
+each vehicle that flies it.
 
-What does not live here: the scenes (scenes), missions that are shipped (missions/).
+What does not live here: the scenes (scenes), shipped missions (missions/).
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ TEXTS: Mapping[str, str] = {
     "dive: depth 5 heading 0 gear 4 until depth >= 4.5 timeout 90\n"
     "out: goto north 90 east 40 depth 5 within 15 gear 8 timeout 4min else up\n"
     "back: goto home depth 5 within 15 gear 8 timeout 4min else up\n" + _PASS,
-    # A long way one way, which ends by its clock.
+    # A long way in one direction, which ends by its clock.
     "away": "mission away vehicle auv\n" + _HOME
     + "safety radius 1500 time 30min depth 10 voltage 10\nassume current 0.5\n"
     "dive: depth 5 heading 0 gear 4 until depth >= 4.5 timeout 90\n"
@@ -42,7 +42,7 @@ TEXTS: Mapping[str, str] = {
     + "safety radius 900 time 30min depth 29 voltage 10\nassume current 0.5 floor 30\n"
     "dive: depth 6 heading 0 gear 4 until depth >= 5.5 timeout 90\n"
     "follow: altitude 20 heading 0 gear 4 for 3min else up\n" + _PASS,
-    # At a depth that is kept above that floor.
+    # At a depth that is kept above the floor.
     "clear": "mission clear vehicle auv\n" + _HOME
     + "safety radius 900 time 30min depth 29 voltage 10\nassume current 0.5 floor 16\n"
     "dive: depth 6 heading 0 gear 4 until depth >= 5.5 timeout 90\n"
@@ -57,17 +57,17 @@ TEXTS: Mapping[str, str] = {
     "transit": "mission transit vehicle auv\n" + _HOME
     + "safety radius 900 time 30min depth 20 voltage 10\nassume current 0.5\n"
     "go: heading 90 gear 8 for 3min\n" + _PASS,
-    # Legs that ask for nothing below, one after the other.
+    # Under water, then a leg that asks for no depth.
     "adrift": "mission adrift vehicle auv\n" + _HOME
     + "safety radius 900 time 30min depth 20 voltage 10\nassume current 0.5\n"
     "dive: depth 6 heading 0 gear 4 until depth >= 5.5 timeout 90\n"
     "stand: depth 6 heading 0 gear 4 for 30\nadrift: stop up 0 for 4min\n" + _PASS,
-    # Down there without a heading that is held.
+    # Under water without a heading setpoint.
     "loose": "mission loose vehicle auv\n" + _HOME
     + "safety radius 900 time 30min depth 20 voltage 10\nassume current 0.5\n"
     "dive: depth 10 gear 2 until depth >= 9.5 timeout 3min\n"
     "stand: depth 10 gear 0 for 2min\n" + _PASS,
-    # An author who is not to be stopped: uncertain, it goes on.
+    # A mission that continues when its position is uncertain.
     "stubborn": "mission stubborn vehicle auv\n" + _HOME
     + "safety radius 1500 time 30min depth 10 voltage 10\nassume current 0.5\n"
     "dive: depth 5 heading 0 gear 4 until depth >= 4.5 timeout 90\n"
@@ -88,13 +88,13 @@ _ADRIFT = f"{_DOWN.format(5.5)}stand: down 5 for 30\nadrift: stop up 0 for 4min\
 
 
 def _at_place(name: str, vehicle: str, safety: str, body: str, assume: str = "current 0.5") -> str:
-    """Of a vehicle that holds depth and heading, and is told its place at the surface."""
+    """Write the text for a vehicle that holds depth and heading, and has fixes at the surface."""
     head = f"mission {name} vehicle {vehicle}\n{_HOME}safety {safety} voltage 12\nassume {assume}\n"
     return f"{head}{body}{_PASS}"
 
 
 def _held(vehicle: str) -> Mapping[str, str]:
-    """For boards that hold heading and depth together, or that the Pi holds so."""
+    """Write the texts for boards that hold heading and depth together, or for which the Pi does."""
     dive = "dive: depth {0} heading 0 gear 4 until depth >= {1} timeout 4min\n"
     shallow, near, far = "radius 700 time 20min depth 10", "depth 6 heading", "depth 5 heading"
     wide = "radius 900 time 30min depth 20"
@@ -125,7 +125,7 @@ def _held(vehicle: str) -> Mapping[str, str]:
 
 
 def _pushed(vehicle: str, safety: str, bodies: Mapping[str, str]) -> Mapping[str, str]:
-    """For what knows no place, and is moved by thrust and time."""
+    """Write the texts for a vehicle that knows no place and moves by thrust and time."""
     head = f"vehicle {vehicle}\nstart without fix\nsafety {safety}\nassume current 0 start 0\n"
     return {name: f"mission {name} {head}{body}" for name, body in bodies.items()}
 

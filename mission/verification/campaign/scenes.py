@@ -1,9 +1,8 @@
-"""Scenes: flights that look different when a rule is broken. One row each, with its own random
-figures.
+"""Scenes: flights that differ when a rule is broken. One row each, with its own random figures.
 
-What is drawn at random seldom meets the one situation in which a rule matters (a body that sinks
-while the operator has stopped it; a stick that is held while another boat orders W). A scene puts
-it there: missions of its own, faults, disturbances and how the vehicle is set up.
+A random draw seldom meets the one situation in which a rule matters (a vehicle that sinks while the
+operator has stopped it; a stick that is held while another boat orders W). A scene sets this
+situation up, with a mission of its own, faults, disturbances and settings of the vehicle.
 
 What does not live here: what else happens in the flight (draw), what the rules are (the laws).
 """
@@ -25,8 +24,8 @@ def _leak(rng: Random) -> Scene:
 
 
 def _lit(rng: Random) -> Scene:
-    """Outputs by the mission and by hand, each where its vehicle has it; then an emergency, and one
-    more word, which it refuses."""
+    """The mission and the operator set outputs, as the vehicle has them. Then comes an emergency,
+    and one more @AO, which it refuses."""
     t = rng.uniform(DOWN, 80.0)
     short = b"@SP,2000,%d,100,10,$" % rng.randint(1, 2)
     said = [say(DOWN - 4.0 + 0.2 * i, words) for i, words in enumerate(_BY_HAND)]
@@ -39,7 +38,7 @@ _BY_HAND = (
     *(b"@AO,led2,50,$", b"@AO,side_scan,1,$"),  # sensor board
     *(b"@AO,zoom,9,$", b"@AO,video,2,$"),  # robot
 )
-# What only boards of documents 002 to 004 have.
+# Scenes that only boards of documents 002 to 004 can have.
 ON_BOARDS_ALONE: Mapping[str, SceneRow] = {
     "leak": SceneRow("water inside, and it is told", _leak),
     "lit": SceneRow("outputs are on, and an emergency comes", _lit),

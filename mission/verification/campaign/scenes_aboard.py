@@ -1,6 +1,6 @@
 """Scenes of limits that operators set, of operators' commands, and of the program.
 
-What does not live here: bodies, boards and sensors (scenes_at_sea).
+What does not live here: scenes of bodies, boards and sensors (scenes_at_sea).
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ def _tight(
     current: float | None = None,
     since: float = DOWN,
 ) -> Callable[[Random], Scene]:
-    """An @SP while it is under way, or before."""
+    """Return a draw with a tight @SP at a random time from ``since`` on."""
 
     def draw(rng: Random) -> Scene:
         values = [b"2000", b"240", b"100", b"10"]
@@ -52,7 +52,7 @@ def _tight(
 
 
 def _swept_away(rng: Random) -> Scene:
-    """Where it is grows uncertain under way, before the radius."""
+    """The position grows uncertain under way, before the vehicle reaches the radius."""
     said = say(rng.uniform(DOWN, 60.0), b"@SP,%d,240,100,10,$" % rng.randint(200, 330))
     return Scene("away", (fault("gps_lost", DOWN),), (said,), current=0.4)
 
@@ -65,8 +65,8 @@ def _silent_topside(rng: Random) -> Scene:
 
 
 def _held_stick(rng: Random) -> Scene:
-    """The commander's stick is held; another boat orders W or X. Sometimes the radio is away for a
-    while, and what was said comes when it is back."""
+    """The commander's stick is held; another boat orders W or X. Sometimes the radio drops out, and
+    its commands arrive when it is back."""
     t = rng.uniform(DOWN, 60.0)
     held = repeated(t - 3.0, t + 25.0, rng.choice([0.2, 0.5, 1.0, 1.8]), b"@MMD6$")
     ordered = (joins(), say(t, rng.choice([X, W]), OTHER_BOAT))
@@ -79,7 +79,7 @@ def _held_stick(rng: Random) -> Scene:
 
 
 def _neutral_stick(rng: Random) -> Scene:
-    """A program that says now and then, twice (R1), that the stick is in neutral."""
+    """The boat's program sends a neutral M now and then, twice each time (R1)."""
     t, every = rng.uniform(DOWN, 60.0), rng.uniform(2.5, 9.0)
     said = [
         *repeated(t + 1.0, t + 40.0, every, b"@MMF0$"),
@@ -89,7 +89,7 @@ def _neutral_stick(rng: Random) -> Scene:
 
 
 def _stick_taken_and_left(rng: Random) -> Scene:
-    """Held, and then the link is lost without a goodbye."""
+    """The stick is held, and then the link is lost without an end."""
     t = rng.uniform(DOWN, 60.0)
     held = repeated(t, t + rng.uniform(1.0, 8.0), 0.2, b"@MMD%d$" % rng.randint(2, 9))
     return Scene(
@@ -100,7 +100,7 @@ def _stick_taken_and_left(rng: Random) -> Scene:
 
 
 def _other_commander(rng: Random) -> Scene:
-    """Somebody else would command, while the commander goes on saying something."""
+    """Another boat tries to command, while the commander keeps sending."""
     t = rng.uniform(DOWN, 60.0)
     words = [
         AA,
@@ -120,7 +120,7 @@ def _slides(t: float, rate: float, seconds: float) -> list[Disturbance]:
 
 
 def _slider(rng: Random) -> Scene:
-    """A rudder slider of the commander that moves, and an ascent or legs beside it."""
+    """The commander moves a rudder slider during legs or an ascent."""
     t = rng.uniform(DOWN, 60.0)
     rate = rng.choice([5.0, 60.0, 100.0, 200.0])
     moved = _slides(t, rate, 40.0)
@@ -129,7 +129,7 @@ def _slider(rng: Random) -> Scene:
 
 
 def _busy_slider(rng: Random) -> Scene:
-    """The same, heavy, with a board that hears nothing for a while behind each word."""
+    """The same, heavy, with a board that receives nothing for a while after each command."""
     t = rng.uniform(DOWN, 60.0)
     rate = rng.choice([20.0, 60.0, 200.0])
     moved = _slides(t, rate, 60.0)
@@ -140,14 +140,14 @@ def _busy_slider(rng: Random) -> Scene:
 
 
 def _cleared_below(rng: Random) -> Scene:
-    """X under water, and @AC at once and again; then a start."""
+    """X under water, then @AC at once and twice more."""
     t = rng.uniform(DOWN, 60.0)
     after = [say(t + d, AC) for d in (1.0, rng.uniform(3.0, 7.0), rng.uniform(8.0, 14.0))]
     return Scene("deep", (), (say(t, X), *after))
 
 
 def _started_below(rng: Random) -> Scene:
-    """AUTO is closed and opened under water, then a start."""
+    """AUTO is closed and opened under water, then the mission is started."""
     t = rng.uniform(DOWN, 60.0)
     said = [say(t, AUTO_CLOSED), say(t + 2.0, AUTO_OPEN)]
     starts = repeated(t + 3.0, t + 12.0, 1.5, AA)
@@ -155,7 +155,7 @@ def _started_below(rng: Random) -> Scene:
 
 
 def _started_with_auto_closed(rng: Random) -> Scene:
-    """It comes up by itself; then somebody starts it all the same."""
+    """AUTO is closed and the vehicle comes up by itself; then somebody sends @AA all the same."""
     t = rng.uniform(DOWN, 60.0)
     return Scene("there", (), (say(t, AUTO_CLOSED), *repeated(t + 40.0, t + 60.0, 4.0, AA)))
 
@@ -165,7 +165,7 @@ def _auto_closed(rng: Random) -> Scene:
 
 
 def _late_copy(rng: Random) -> Scene:
-    """A copy of @AA by modem: the mission was ended by AUTO, which is open again."""
+    """A copy of @AA comes by modem after AUTO has ended the mission and is open again."""
     t = rng.uniform(DOWN, 60.0)
     copy = Disturbance(rng.uniform(100.0, 115.0), Act.SAY, wrap(AA, Sender.TOPSIDE), MODEM, "")
     return Scene("there", (), (say(t, AUTO_CLOSED), say(t + 3.0, AUTO_OPEN), copy))
@@ -188,7 +188,7 @@ def _modem_stick(rng: Random) -> Scene:
 
 
 def _killed(t: float, back: float) -> tuple[Disturbance, ...]:
-    """The program, which begins anew then; the boat connects again a second later."""
+    """Kill the program at ``t`` and restart it at ``back``; the boat connects a second later."""
     return (
         Disturbance(t, Act.KILL),
         Disturbance(back, Act.BOOT),
@@ -197,7 +197,7 @@ def _killed(t: float, back: float) -> tuple[Disturbance, ...]:
 
 
 def _restarted(word: bytes) -> Callable[[Random], Scene]:
-    """Killed in a mission, or in what the word began, and begun anew."""
+    """Return a draw that kills and restarts the program in a mission, or after ``word``."""
 
     def draw(rng: Random) -> Scene:
         t = rng.uniform(DOWN, 60.0)
@@ -212,8 +212,8 @@ def _restarted(word: bytes) -> Callable[[Random], Scene]:
 
 
 def _restarted_frozen(rng: Random) -> Scene:
-    """Killed under water with a depth that froze at the surface, on a board that is deaf to U, and
-    neither rises nor sinks for a while."""
+    """The program is killed under water with a depth that froze at the surface. The board is deaf
+    to U, and the vehicle neither rises nor sinks for a while."""
     t = rng.uniform(18.0, 24.0)
     faults = (
         fault("depth_frozen", rng.uniform(5.0, 8.0)),
@@ -238,8 +238,8 @@ def _pulled(rng: Random) -> Scene:
 
 
 def _restarted_at_full_scale(rng: Random) -> Scene:
-    """Killed in whatever there is, with a depth at full scale as the program begins again; then W,
-    and at times a weight."""
+    """The program is killed in any state, with a depth at full scale as it restarts; then comes a
+    W, and sometimes a weight."""
     t = rng.uniform(DOWN, 150.0)
     said = (say(DOWN, rng.choice((W, X))),) if rng.random() < 0.7 else ()
     faults = [fault("depth_full_scale", t, rng.choice((FOREVER, rng.uniform(4.0, 60.0))))]
@@ -250,7 +250,7 @@ def _restarted_at_full_scale(rng: Random) -> Scene:
 
 
 def _restarted_with_auto_closed(rng: Random) -> Scene:
-    """Cleared at the surface, AUTO closed, and heavy: on the ground by the time it is killed."""
+    """Cleared at the surface, AUTO closed, heavy: on the ground when the program is killed."""
     said = (say(DOWN, W), say(100.0, AC), say(108.0, AC), say(112.0, AUTO_CLOSED))
     t = rng.uniform(290.0, 310.0)
     weight = heavy(rng, rng.uniform(114.0, 120.0))
@@ -258,7 +258,7 @@ def _restarted_with_auto_closed(rng: Random) -> Scene:
 
 
 def _held_and_then(rng: Random) -> Scene:
-    """Held up at the surface, or floating again by then; and an operator does something else."""
+    """The vehicle is held up at the surface, or floats again; then an operator acts."""
     lasts = FOREVER if rng.random() < 0.5 else rng.uniform(30.0, 50.0)
     weight = fault("heavy", rng.uniform(85.0, 95.0), lasts, round(rng.uniform(17.0, 30.0), 1))
     t = rng.uniform(140.0, 160.0)
@@ -276,7 +276,7 @@ def _held_and_then(rng: Random) -> Scene:
 
 
 def _started_from_stick(rng: Random) -> Scene:
-    """The stick leads down with no mission interrupted, is let go, and a start is asked for."""
+    """The stick leads down with no mission interrupted, is let go, and @AA is sent."""
     t = rng.uniform(DOWN, 60.0)
     ended = say(t, AUTO_CLOSED), say(t + 2.0, AUTO_OPEN)
     stick = repeated(t + 5.0, t + 12.0, 0.2, b"@MMD8$")
@@ -284,14 +284,14 @@ def _started_from_stick(rng: Random) -> Scene:
 
 
 def _stick_out_of_time(rng: Random) -> Scene:
-    """The stick holds a mission up beyond its three minutes, which have gone on."""
+    """The stick interrupts a mission for longer than its three minutes, which keep running."""
     t = rng.uniform(45.0, 60.0)
     stick = repeated(t, t + 60.0, 0.5, b"@MMF3$")
     return Scene("away", (), (say(30.0, b"@SP,2000,3,100,10,$"), *stick, say(t + 64.0, AA)))
 
 
 def _answered_by_another(rng: Random) -> Scene:
-    """Something else is on the port and acknowledges the X; the board says nothing any more."""
+    """Something else on the port acknowledges the X; the board has fallen silent."""
     t = rng.uniform(DOWN, 60.0)
     answers = [
         Disturbance(t + 0.6, Act.SAY, b"@ACK_Z%bY$" % code, PORT, "") for code in (b"A", b"X")

@@ -1,6 +1,6 @@
 """Scenes of bodies that are heavy, weak or upside down, and of boards and sensors that fail.
 
-What does not live here: operators, the program and the bounds they set (scenes_aboard).
+What does not live here: scenes of operators, the program and set limits (scenes_aboard).
 """
 
 from __future__ import annotations
@@ -41,14 +41,14 @@ def _heavy_after_x(rng: Random) -> Scene:
 
 
 def _neutral_after_x(rng: Random) -> Scene:
-    """It neither rises nor sinks so that anybody would notice."""
+    """The vehicle neither rises nor sinks noticeably."""
     t = rng.uniform(DOWN, 80.0)
     weight = fault("heavy", t - 2.0, FOREVER, round(rng.uniform(14.8, 15.3), 1))
     return Scene("there", (weight,), (say(t, X),))
 
 
 def _unliftable(rng: Random) -> Scene:
-    """For a while nothing helps: then every way has been tried."""
+    """For a while nothing lifts the vehicle: by then every way has been tried."""
     t, lasts = rng.uniform(DOWN, 60.0), rng.uniform(100.0, 140.0)
     weight = fault("heavy", t, lasts, round(rng.uniform(16.0, 25.0), 1))
     said = (say(t + 5.0, W),) if rng.random() < 0.5 else ()
@@ -62,8 +62,8 @@ def _heavy_when_surfaced(rng: Random) -> Scene:
 
 
 def _held_up(rng: Random) -> Scene:
-    """Heavy out of surfaced, so that thrust holds it up; then what ends that, once and again, and
-    mostly no depth to see it by."""
+    """Heavy out of surfaced, so that thrust holds the vehicle up. Then faults end the thrust, again
+    and again, mostly without a depth that shows it."""
     begin = rng.uniform(80.0, 100.0)
     faults = [fault("heavy", begin, FOREVER, round(rng.uniform(18.0, 40.0), 1))]
     if rng.random() < 0.7:
@@ -90,7 +90,7 @@ def _heavy_when_waiting(rng: Random) -> Scene:
 
 
 def _heavy_with_auto_closed(rng: Random) -> Scene:
-    """The operator closes AUTO under water, and opens it while it sinks."""
+    """The operator closes AUTO under water, and opens it while the vehicle sinks."""
     t = rng.uniform(DOWN, 60.0)
     said = (say(t, AUTO_CLOSED), say(t + rng.uniform(5.0, 20.0), AUTO_OPEN))
     return Scene("there", (heavy(rng, t),), said)
@@ -121,7 +121,7 @@ def _capsized_blind(rng: Random) -> Scene:
 
 
 def _sinks_unseen(rng: Random) -> Scene:
-    """Onto the ground over a minute behind being let go, while no depth is known; then one is."""
+    """Sinks to the ground over a minute after letting go, with no known depth; then one is."""
     t = rng.uniform(170.0, 190.0)
     faults = (
         fault("heavy", t, FOREVER, round(rng.uniform(25.0, 40.0), 1)),
@@ -131,14 +131,14 @@ def _sinks_unseen(rng: Random) -> Scene:
 
 
 def _heavy_beside(rng: Random) -> Scene:
-    """Heavy, its depth off by metres from then on; U12 alone lifts it."""
+    """Heavy, with a depth that is off by metres from then on; only U12 lifts it."""
     t = rng.uniform(DOWN, 60.0)
     off = fault("depth_too_deep", t, FOREVER, round(rng.uniform(6.0, 12.0), 1))
     return Scene("there", (*_lifted_by_u_alone(rng, t), off), (say(t + 5.0, W),))
 
 
 def _heavy_and_clogged(rng: Random) -> Scene:
-    """Heavy, its port clogged until it is deep; U12 alone lifts it."""
+    """Heavy, with a port that is clogged until the vehicle is deep; only U12 lifts it."""
     t = rng.uniform(DOWN, 60.0)
     clogged = fault("depth_stuck", t, rng.uniform(40.0, 60.0))
     return Scene("deep", (*_lifted_by_u_alone(rng, t, 48.0, 54.0), clogged))
@@ -147,7 +147,7 @@ def _heavy_and_clogged(rng: Random) -> Scene:
 def _lifted_by_u_alone(
     rng: Random, t: float, least: float = 46.0, most: float = 49.5
 ) -> tuple[FaultEvent, FaultEvent]:
-    """Not by forty seconds of sixty, as without a depth at last."""
+    """Thrust for 40 s of 60, as the last turns without a depth give, does not lift the weight."""
     weight = fault("heavy", t, FOREVER, round(rng.uniform(least, most), 1))
     return weight, fault("deaf_to_w", t)
 
@@ -157,14 +157,14 @@ def _sinks_in_a_hold(rng: Random) -> Scene:
 
 
 def _sinks_adrift(rng: Random) -> Scene:
-    """By some newtons; or hardly: then it is no descent by its rate (R5)."""
+    """Heavy by some newtons; or by so little that the rate makes it no descent (R5)."""
     t = rng.uniform(55.0, 70.0)
     slow = fault("heavy", t, FOREVER, round(rng.uniform(15.2, 16.0), 1))
     return Scene("adrift", (rng.choice([heavy(rng, t), slow]),))
 
 
 def _weak_thrusters(rng: Random) -> Scene:
-    """Too weak to leave the surface."""
+    """The verticals are too weak to leave the surface."""
     return Scene(
         "deep", (fault("verticals_weak", 2.0, FOREVER, round(rng.uniform(0.05, 0.25), 2)),)
     )
@@ -185,7 +185,7 @@ def _board(name: str, *, sinks: bool) -> Callable[[Random], Scene]:
 
 
 def _deaf_to_x(rng: Random) -> Scene:
-    """Nothing is acknowledged for a while, when X is said."""
+    """For a while nothing is acknowledged, just as X is sent."""
     t = rng.uniform(DOWN, 60.0)
     name = rng.choice(["ack_lost", "command_lost", "stm32_silent"])
     return Scene("there", (fault(name, t - 0.5, rng.uniform(4.0, 9.0)),), (say(t, X),))
@@ -197,7 +197,7 @@ def _acknowledged_and_garbled(rng: Random) -> Scene:
 
 
 def _turns_after_a_stop(rng: Random) -> Scene:
-    """It is restarted into a dive by itself, which any X0 ends."""
+    """At rest the board goes into a dive by itself, which any X0 ends."""
     return Scene("there", (fault("dives_until_stop", rng.uniform(90.0, 110.0)),), (say(DOWN, W),))
 
 
@@ -245,16 +245,16 @@ def _wandering(rng: Random) -> Scene:
 
 
 def _blind_and_wandering(rng: Random) -> Scene:
-    """The receiver makes places up, and no depth contradicts them."""
+    """The receiver reports false places, and no depth contradicts them."""
     t = rng.uniform(DOWN, 60.0)
     wanders = fault("gps_wanders", rng.uniform(4.0, 8.0))
     return Scene("deep", (wanders, fault("depth_full_scale", t - 2.0)), (say(t, W),))
 
 
 def _heavy_and_wandering(rng: Random) -> Scene:
-    """Heavy, U12 alone lifts it, and the receiver makes places up. An X lets it sink for so long
-    that it is not back where it was when half a minute of fixes could speak against its depth;
-    mostly that comes late, too, and the fixes contradict it."""
+    """Heavy, only U12 lifts it, and the receiver reports false places. After an X the vehicle sinks
+    for so long that it is not back where it was when half a minute of fixes could contradict its
+    depth. Mostly the depth is late, too, and the fixes contradict it."""
     t = rng.uniform(DOWN, 60.0)
     wanders = fault("gps_wanders", rng.uniform(4.0, 8.0))
     late = (_late(t),) if rng.random() < 0.8 else ()
@@ -262,7 +262,7 @@ def _heavy_and_wandering(rng: Random) -> Scene:
 
 
 def _heavy_and_late(rng: Random) -> Scene:
-    """The same with less weight and a late depth: no turn of full thrust is seen to lift it."""
+    """The same with less weight and a late depth: no turn of full thrust shows a rise."""
     t = rng.uniform(DOWN, 60.0)
     wanders = fault("gps_wanders", rng.uniform(4.0, 8.0))
     return Scene("deep", (*_lifted_by_u_alone(rng, t, 38.0, 45.0), wanders, _late(t)), (say(t, X),))
@@ -277,7 +277,7 @@ def _clogged(rng: Random) -> Scene:
 
 
 def _clogged_at_the_surface(rng: Random) -> Scene:
-    """The port clogs before it dives; the receiver says its last places on, or makes some up."""
+    """The port clogs before the dive; the receiver repeats its last places, or makes some up."""
     begin = rng.uniform(6.0, 9.0)
     again = fault("gps_in_turn", begin, FOREVER, float(rng.randint(1, 5)))
     places = rng.choice([again, fault("gps_wanders", begin)])
@@ -285,7 +285,7 @@ def _clogged_at_the_surface(rng: Random) -> Scene:
 
 
 def _lying(*sensors: str) -> Callable[[Random], Scene]:
-    """One of them lies, from before the dive or in it; the current that is assumed sets."""
+    """Return a draw: one added sensor is wrong, from before the dive or in it, in a current."""
 
     def draw(rng: Random) -> Scene:
         name = f"{rng.choice(sensors)}_{rng.choice(LIES)}"
@@ -297,7 +297,7 @@ def _lying(*sensors: str) -> Callable[[Random], Scene]:
 
 
 def _second_alone(rng: Random) -> Scene:
-    """The first receiver is out, and of the second nothing is true."""
+    """The first receiver has failed, and the second reports nothing true."""
     gone = fault(rng.choice(["gps_silent", "gps_lost", "gps_stuck"]), rng.uniform(4.0, 90.0))
     how = rng.choice(["gps2_stuck", "gps2_wanders", "gps2_jump", "gps2_lost"])
     return Scene(rng.choice(["deep", "home"]), (gone, fault(how, rng.uniform(4.0, 90.0))))

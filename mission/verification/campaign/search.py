@@ -1,16 +1,16 @@
-"""A search for flights that break a law: rows in turn, and neighbours of what came nearest.
+"""A search for flights that break a law: rows in turn, and neighbours of the nearest flights.
 
-Chance flies some rows thrice before it has flown others once. A round is one flight of each row of
-the tables, in the order of ``first_round``: those come first that act by rules by which the rows
-before them did not act. From the second round on two of three flights are of the rounds, and one is
-a neighbour of the flight that came nearest to breaking some law, with less than half of its bound
+Random draws fly some rows thrice before others once. A round is one flight of each row of the
+tables, in the order of ``first_round``: first the rows in which rules act that have not acted in
+the rows before. From the second round on, two of three flights belong to the rounds. One is a
+neighbour of the flight that came nearest to breaking some law, with less than half of its bound
 left. The laws take turns: first those whose neighbours were tried least often in vain, then those
-with less left. So no easy law takes all. A neighbour that came nearer takes its parent's place
+with less left. So no easy law takes all flights. A neighbour that comes nearer replaces its parent
 (importance splitting, one level at a time; Cerou and Guyader, Stochastic Analysis and Applications
-25, 2007). What has broken a law is found: it is told, and not steered by.
+25, 2007). A flight that breaks a law is reported, and does not steer the search.
 
-A generation is asked for at once, and told before the next: what is flown depends on seed and
-answers alone, never on the workers.
+The search asks for a whole generation, and learns its results before the next. So the flights
+depend on the seed and the results alone, never on the workers.
 
 What does not live here: how a flight follows from its name (steered), how near it came (margins).
 """
@@ -32,13 +32,13 @@ from mission.verification.workers.places import Place
 from mission.verification.workers.progress import Progress
 
 GENERATION, STEERED = 18, 6  # flights after the first round; of them neighbours, at most
-Searched = tuple[FlightResult, dict[str, float]]  # with how near it came, by law
-NEARLY = 0.5  # of its bound: a law with more left is not followed up
+Searched = tuple[FlightResult, dict[str, float]]  # with the margins, by law
+NEARLY = 0.5  # share of the bound: a law with more left is not followed up
 
 
 @dataclass(slots=True)
 class Nearest:
-    """Of one law: the flight that came nearest; ``tried`` neighbours of it since, in vain."""
+    """The flight that came nearest to one law; ``tried`` counts its neighbours since, in vain."""
 
     name: str
     left: float
@@ -51,10 +51,10 @@ class Search:
         self._rows = in_order(rows(known))
         self._round: list[str] = []
         self._rounds = 0
-        self._neighbours: dict[str, int] = {}  # of a flight, so far
+        self._neighbours: dict[str, int] = {}  # of each flight, so far
 
     def generation(self) -> list[str]:
-        """The names of the flights that are due: the first round, later GENERATION."""
+        """Return the names of the next flights: first a whole round, later GENERATION of them."""
         if not self._rounds:
             self._begin_round()
             names, self._round = self._round, []
@@ -68,7 +68,7 @@ class Search:
         return names
 
     def tell(self, name: str, margins: Mapping[str, float], *, broken: bool) -> None:
-        """What came of a flight; ``margins`` by law."""
+        """Take the result of a flight; ``margins`` by law."""
         for law, left in () if broken else margins.items():
             known = self.nearest.get(law)
             if known is None or left < known.left:
@@ -84,7 +84,7 @@ class Search:
         return self._round.pop(0)
 
     def _steered(self) -> list[str]:
-        """A neighbour each for the laws whose turn it is."""
+        """Return one neighbour for each law whose turn it is."""
         near = [known for known in self.nearest.values() if known.left < NEARLY]
         near.sort(key=lambda known: (known.tried, known.left))
         return [self._neighbour(known) for known in near[:STEERED]]
@@ -105,7 +105,7 @@ def flown(
     kept: Kept[Searched] | None = None,
     progress: Progress | None = None,
 ) -> Iterator[tuple[str, FlightResult | Lost]]:
-    """``most`` flights, with their names, as ``search`` asks for them."""
+    """Fly ``most`` flights that ``search`` asks for; yield their names and results."""
     work = functools.partial(fly_named, seed, known)
     with working(work, at, kept=kept, progress=progress) as batch:
         while most > 0:
@@ -121,5 +121,5 @@ def flown(
 
 
 def fly_named(seed: int, known: Sequence[Subject], name: str) -> Searched:
-    """ValueError for a name that is none (steered)."""
+    """Fly a flight by its name. Raises ValueError for an unknown name (steered)."""
     return fly_near(plan_of(name, seed, known))

@@ -1,12 +1,12 @@
 """The soak: missions in a row for days, with faults, and one program that lives through them.
 
-After each flight the vehicle is towed home and recharged: another simulated vehicle, the same
-runtime (unless a fault kills it), the same store, the same black box. Memory is looked at after
-every mission in three ways: the objects that the collector knows, the blocks that Python has
-allocated (strings and numbers too), and what of the process is resident. The black box is looked
-at whenever it goes on in another part: a part that is closed must be whole, and is then taken away.
+After each flight the vehicle is towed home and recharged: another simulated vehicle, but the same
+runtime (unless a fault kills it), store and black box. After every mission the soak measures memory
+in three ways: the objects that the garbage collector knows, the blocks that Python has allocated
+(strings and numbers too), and the resident memory of the process. Whenever the black box continues
+in another part, the closed part must be whole, and is then deleted.
 
-What does not live here: what goes wrong (draw), what may not come of it (laws).
+What does not live here: what goes wrong (draw), outcomes that a flight must not have (laws).
 """
 
 from __future__ import annotations
@@ -40,11 +40,11 @@ PART = 4 << 20  # bytes of one part of the black box
 LULL = 600.0  # s at most between two missions, adrift
 _MEGABYTE = 1 << 20
 _CLEAN = (b"@NSOOOCCO$", b"@SP,2000,240,100,10,$", b"@AC$")
-RECENT = 5.0  # s of the flight before that bytes of the next may come from
-FLAT = 0.02  # share by which what is alive may differ between missions
+RECENT = 5.0  # s: bytes of a flight may come from the last seconds of the one before
+FLAT = 0.02  # share by which the live objects may differ between missions
 FLAT_RESIDENT = 0.05  # the same of the process: its allocator gives little back
 EVERY = 10.0  # s between two lines of progress, at least
-SETTLED = 5  # missions until everything that is kept once is there, at least
+SETTLED = 5  # missions, at least, until everything that is kept once exists
 _STATM = Path("/proc/self/statm")
 
 
@@ -55,15 +55,15 @@ class Soaked:
     totals: Totals = field(default_factory=Totals)
     objects: list[float] = field(default_factory=list)  # alive after each mission
     blocks: list[float] = field(default_factory=list)
-    resident: list[float] = field(default_factory=list)  # MB; empty where nobody tells
+    resident: list[float] = field(default_factory=list)  # MB; empty where the system does not tell
     parts: int = 1
-    megabytes: float = 0.0  # of the parts that were taken away
+    megabytes: float = 0.0  # of the parts that were deleted
     broken_parts: int = 0
     interrupted: bool = False
 
     @property
     def growth(self) -> dict[str, float]:
-        """From when everything was there to the end, as shares."""
+        """Return the growth of memory, as shares, since everything that is kept existed."""
         series = {"objects": self.objects, "blocks": self.blocks, "resident": self.resident}
         return {name: round(grown(values), 4) for name, values in series.items()}
 
@@ -101,7 +101,7 @@ class Soaked:
 
 @dataclass(frozen=True, slots=True)
 class Summary:
-    """A soak in another process: the object of it, what it found in words, whether all held."""
+    """The result of a soak in another process: its JSON object, its text, whether all laws held."""
 
     found: Mapping[str, Any]
     stories: tuple[str, ...]
@@ -109,8 +109,10 @@ class Summary:
 
 
 def grown(values: Sequence[float]) -> float:
-    """The least of the last few over the greatest of the second tenth, less one: a leak shows,
-    a mission that is larger than the others does not. 0 for too few values."""
+    """Return the least of the last few values over the greatest of the second tenth, less one.
+
+    So a leak shows, and a mission that is larger than the others does not. 0 for too few values.
+    """
     if len(values) <= 2 * SETTLED:
         return 0.0
     tenth = max(len(values) // 10, SETTLED)
@@ -125,7 +127,7 @@ def soak(
     folder: Path,
     told: Callable[[Soaked, FlightResult], None] = lambda soaked, result: None,
 ) -> Soaked:
-    """``folder`` is for the black box. Ctrl-C ends it early; what was found so far is returned."""
+    """Run a soak; ``folder`` is for the black box. Ctrl-C ends it early and keeps the results."""
     box = BlackBox(folder / "soak.mcap", limit=PART)
     soaked = Soaked()
     try:
@@ -166,7 +168,7 @@ class Telling:
 
 
 def soak_alone(days: float, subjects: Sequence[Subject], vehicle: Vehicle, seed: int) -> Summary:
-    """One of several, wherever it is done."""
+    """Run one of several soaks, in any process."""
     stories: list[str] = []
     telling = Telling(days, seed, vehicle.name, tell, tell)
 
@@ -182,7 +184,7 @@ def soak_alone(days: float, subjects: Sequence[Subject], vehicle: Vehicle, seed:
 
 
 def story(soaked: Soaked, result: FlightResult, seed: int, vehicle: str) -> Iterator[str]:
-    """Of a mission that broke a law."""
+    """Yield the report of a mission that broke a law, line by line."""
     if result.violations:
         yield f"mission {result.number}: {result.words}"
         for v in result.violations:
@@ -244,9 +246,11 @@ def _fly_on(
 
 
 def last_words(events: Sequence[Event], end: float) -> tuple[Event, ...]:
-    """What the audit of the next flight must know of this one, which ended at ``end``, at that
-    one's times: the state that was entered last, what was commanded last (an ascent says its U12
-    again for as long as its turn lasts), and what was said shortly before."""
+    """Return what the audit of the next flight must know of this one, at the next flight's times.
+
+    This flight ended at ``end``. The audit needs the state that was entered last, the last command
+    (an ascent repeats its U12 for as long as its turn lasts), and the events of the last seconds.
+    """
     steps = [e for e in events if isinstance(e, Step)]
     state = [e for e in steps if e.entered][-1:]
     command = [e for e in steps if e.actions][-1:]
@@ -261,7 +265,7 @@ def _program(vehicle: Vehicle, box: BlackBox) -> Program:
 
 
 def _take_away(soaked: Soaked, box: BlackBox) -> None:
-    """Parts that are closed: whole, or counted as broken."""
+    """Check the closed parts of the black box, count the broken ones, and delete them all."""
     first = box.path.parent / "soak.mcap"
     while (part := part_path(first, soaked.parts)) != box.path:
         whole = any(True for _ in read_records(part)) and part.stat().st_size <= 2 * PART

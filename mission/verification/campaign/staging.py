@@ -1,13 +1,13 @@
-"""Which scenes are staged on which vehicle, and what of a scene is another there.
+"""Which scenes are staged on which vehicle, and how they differ there.
 
     AUV        every scene, as it is drawn
-    a board    of documents 002 to 004: the scenes that can come to it. A fault that it cannot have
-               is the like of it that it can (LIKE), or none where its absence changes nothing; a
-               robot's stick says ahead and back where others say down and up
+    a board    of documents 002 to 004: the scenes that can happen to it. A fault that it cannot
+               have is replaced by a similar one (LIKE), or left out where that changes nothing. A
+               robot's stick sends ahead and back where others send down and up
 
-A scene that is not staged has its reason (why_not).
+A scene that is not staged has a reason (why_not).
 
-What does not live here: the scenes (scenes), their missions in the words of each vehicle
+What does not live here: the scenes (scenes), their missions in the commands of each vehicle
 (scene_texts).
 """
 
@@ -29,7 +29,7 @@ from mission.verification.campaign.scenes import ON_BOARDS_ALONE, SCENES
 from mission.verification.rig.acts import MODEM, Disturbance
 from protocol.modem import Sender, wrap
 
-# Of a board's frames and reports; "": without it the scene is the same there.
+# Faults of the AUV, and what a board has instead; "": without it the scene is the same there.
 LIKE: Mapping[str, str] = {
     "ack_lost": "command_lost",
     "stm32_restart": "command_lost",
@@ -38,10 +38,10 @@ LIKE: Mapping[str, str] = {
     "depth_absurd": "depth_frozen",
     "deaf_to_u": "",
     "gps_lost": "",
-    "heavy": "",  # of what drives
+    "heavy": "",  # of the robot
 }
 _M = re.compile(rb"@MM[^@$]+\$")
-# Why not: unseen says it of rules, too.
+# Reasons why not; unseen gives them for rules, too.
 NO_RECEIVER = "it has no receiver of its own"
 NO_SUCH_FAULT = "its simulated board has no such fault of a sensor"
 NO_PLACE = "it knows no place"
@@ -99,12 +99,12 @@ _NOT_ON: Mapping[str, Mapping[str, tuple[str, ...]]] = {
 
 
 def faults_of(vehicle: str) -> Mapping[str, Fault]:
-    """What can go wrong with it: of the shipped vehicle of this name."""
+    """Return the faults that the shipped vehicle of this name can have."""
     return OF_BOARDS.get(vehicle, FAULTS)
 
 
 def why_not(scene: str, vehicle: str) -> str:
-    """Why a scene is not staged on a vehicle, "" if it is."""
+    """Return why a scene is not staged on a vehicle, "" if it is."""
     return not_staged(vehicle).get(scene, "")
 
 
@@ -116,7 +116,7 @@ def scenes_of(vehicle: str) -> tuple[str, ...]:
 
 @functools.cache
 def not_staged(vehicle: str) -> Mapping[str, str]:
-    """The scenes that are not, with their reasons."""
+    """Return the scenes that are not staged on a vehicle, with their reasons."""
     if vehicle not in ON_BOARDS:
         return {}
     groups = (*_ON_ALL.items(), *_NOT_ON[vehicle].items())
@@ -124,7 +124,7 @@ def not_staged(vehicle: str) -> Mapping[str, str]:
 
 
 def staged_on(vehicle: str, name: str, rng: Random) -> Scene:
-    """The scene as it comes to the vehicle. KeyError for one that is not staged there."""
+    """Draw the scene for the vehicle. Raises KeyError for a scene that is not staged there."""
     if name not in scenes_of(vehicle):
         raise KeyError(f"{name} is not staged on {vehicle}: {why_not(name, vehicle)}")
     if vehicle not in ON_BOARDS:

@@ -1,7 +1,7 @@
-"""Laws of the status that nobody asked for (R11): once, at the surface, and not below.
+"""Laws of the unasked status (R11): sent at the surface, and not below.
 
-What does not live here: what a status says (the runtime's tests), whether what is surfaced is up
-(surface_laws).
+What does not live here: the content of a status (the runtime's tests), whether a surfaced vehicle
+is up (surface_laws).
 """
 
 from __future__ import annotations
@@ -18,11 +18,11 @@ from mission.verification.campaign.surface_laws import REPEATING, UNLAWFUL
 from mission.verification.rig.acts import TOPSIDE, Act
 
 _UNASKED = "at the surface"
-_UP, _SEEN = 1.0, 3  # m, and within s: the first fix, and a report that is 2 s old
-_DOUBTED, _SILENT = 40.0, 5.9  # s; the last report was on its way before it was told
+_UP, _SEEN = 1.0, 3  # m; within s: the first fix, and a report that is 2 s old
+_DOUBTED, _SILENT = 40.0, 5.9  # s; the last report was sent before it was received
 _DEEP = 0.8  # m: no fix proves the surface beside it (R11)
 _TOLD = 5.0  # s from surfaced to the status
-_STUCK = 15.0  # s: of the places by which fixes prove a surface the oldest is 20 s old (R7)
+_STUCK = 15.0  # s: the oldest place by which fixes prove the surface is 20 s old (R7)
 _CONTRADICT = (*DEPTH_FAULTS, "verticals_")
 
 
@@ -36,9 +36,12 @@ def status_laws(story: Story) -> Iterator[Violation]:
 
 
 def _is_told_up(story: Story, t: float) -> Iterator[Violation]:
-    """Where no depth is believed fixes as at the surface tell, made up or not; so they do where an
-    ascent ends, which surface_laws judge. A report counts until it is stale, and a cable that is
-    pulled, or a board that falls silent, brings no other."""
+    """The vehicle is up when the status says so.
+
+    Where no depth is believed, fixes as at the surface count, true or not; the end of an ascent by
+    such fixes is judged in surface_laws. A report counts until it is stale: with a pulled cable or
+    a silent board no other one comes.
+    """
     state = story.stay_at(t).state
     late = story.hindered(t - _SILENT, t) or not story.told_in(t - _SEEN, t)
     seen = math.ceil(_SILENT) + 1 if late else _SEEN
@@ -67,14 +70,18 @@ def _is_told(story: Story, stay: Stay, unasked: list[Tx]) -> Iterator[Violation]
 
 
 def _says_deep(story: Story, t: float) -> bool:
-    """Up by what was seen in the last 6 s (R7), and the depth says otherwise since: the status
-    waits for the next that does not (R11)."""
+    """Whether the last depth contradicts the surface that the 6 s before had proved (R7).
+
+    The status then waits for the next depth that does not (R11).
+    """
     last = next((report for report in reversed(story.reports) if report.t <= t), None)
     return last is not None and last.depth >= _DEEP
 
 
 def _is_stuck(story: Story, t: float) -> bool:
-    """Surfaced by fixes alone, by a receiver that says the same place since: a moment later it
-    proves nothing any more, and the status waits for a depth or a new place."""
+    """Whether the vehicle surfaced by fixes alone, of a receiver that has repeated its place since.
+
+    A moment later those fixes prove nothing any more. The status waits for a depth or a new place.
+    """
     stuck = any(f.begin <= t - _STUCK for f in story.faults(REPEATING, t, t))
     return stuck and story.faulty(_CONTRADICT, t - _DOUBTED, t)

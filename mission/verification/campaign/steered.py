@@ -1,16 +1,16 @@
-"""Flights by the row that they are of, as like or unlike each other as is wanted.
+"""Flights by name: the row that they belong to, and how near they are to another flight.
 
     heavy_for_ever/3        the fourth flight of this row of the tables
     heavy_for_ever/3/0/2    the third neighbour of its first neighbour
 
-A flight follows from the seed and its name alone, whatever was flown before. What a plan is drawn
-from is a point: the first DIMENSIONS random numbers. Of four flights of a row each number is once
-in each quarter of its range, of each two once in each half (Latin hypercubes: McKay, Beckman,
-Conover, Technometrics 21, 1979): a few flights try both profiles and all parts of a range. A
-neighbour is the same point moved a little, now and then in one number by any distance (Kelemen et
-al., A simple and robust mutation strategy, Eurographics 2002).
+A flight depends on the seed and its name alone, not on earlier flights. A plan is drawn from a
+point: the first DIMENSIONS random numbers. Among four flights of a row, each number is once in each
+quarter of its range; among each two, once in each half (Latin hypercubes: McKay, Beckman, Conover,
+Technometrics 21, 1979). So a few flights try both profiles and all parts of a range. A neighbour is
+the same point moved a little, and sometimes by any distance in one number (Kelemen et al., A simple
+and robust mutation strategy, Eurographics 2002).
 
-What does not live here: which are flown (search), what the numbers come to (draw).
+What does not live here: which flights are flown (search), what the numbers mean (draw).
 """
 
 from __future__ import annotations
@@ -33,11 +33,11 @@ if TYPE_CHECKING:
 
 _T = TypeVar("_T")
 DIMENSIONS = 48
-NEAR, ANEW = 0.04, 0.08  # of the range: a neighbour's distance; chance of any distance
+NEAR, ANEW = 0.04, 0.08  # share of the range: a neighbour's distance; chance of any distance
 
 
 class Steered(Random):
-    """``point`` first, each number in [0, 1), and then as ``seed`` has it."""
+    """Returns the numbers of ``point`` first, each in [0, 1), and then those of ``seed``."""
 
     def __init__(self, seed: str, point: Sequence[float]) -> None:
         super().__init__(seed)
@@ -48,7 +48,7 @@ class Steered(Random):
         return super().random() if ahead is None else ahead
 
     def choice(self, seq: SupportsLenAndGetItem[_T]) -> _T:
-        """By the part of the range that the number is in; Random's own goes by its last bits."""
+        """Choose by the part of the range that the number is in; Random uses its last bits."""
         return seq[int(self.random() * len(seq))]
 
     def randint(self, a: int, b: int) -> int:
@@ -60,13 +60,13 @@ def neighbour(name: str, number: int) -> str:
 
 
 def plan_of(name: str, seed: int, subjects: Sequence[Subject]) -> Plan:
-    """ValueError for a name that is none."""
+    """Return the plan of a flight. Raises ValueError for a name that is none."""
     row, *numbers = name.split("/")
     if row not in rows(subjects) or not numbers or not all(map(str.isdecimal, numbers)):
         raise ValueError(f"no flight {name!r}: a row of the tables, and /0 or more")
     number, *moves = map(int, numbers)
     rng = Steered(f"steered {seed} {name}", _point(seed, row, number, moves))
-    # First: how many numbers come before it otherwise is a draw, too.
+    # First: otherwise the count of numbers before it would be random, too.
     profile = rng.choice(profiles_of(subjects[0].vehicle))
     return on_profile(draw_row(row, rng, seed, number, subjects), profile)
 
@@ -85,7 +85,7 @@ def _point(seed: int, row: str, number: int, moves: Sequence[int]) -> list[float
 
 
 def _quarters(rng: Random) -> list[int]:
-    """In an order in which the first two, and the last two, are in different halves."""
+    """Return 0 to 3 in an order whose first two, and last two, are in different halves."""
     low, high = rng.sample((0, 1), 2), rng.sample((2, 3), 2)
     return [quarter for pair in zip(low, high, strict=True) for quarter in rng.sample(pair, 2)]
 

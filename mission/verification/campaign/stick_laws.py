@@ -1,5 +1,5 @@
-"""Laws of the stick (R6): what it takes over, and when it is let go. By what was said, not by what
-the engine made of it."""
+"""Laws of the stick (R6): what it takes over, and when it is let go. They go by the bytes that
+operators sent, not by the engine's reading of them."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from mission.verification.campaign.story import STOP_WORD, Stay, Story
 from mission.verification.campaign.surface_laws import UNLAWFUL, UNSENT
 from mission.verification.rig.acts import MODEM
 
-_QUIET = (1.9, 2.1)  # s: about 2 (R6) either may be so
+_QUIET = (1.9, 2.1)  # s: between these, about 2 (R6), both readings may hold
 _SILENT, _FORGOTTEN = 2.6, 61.5  # s
-_PUSHED, _WAITED = 0.14, 3  # s that a push lasts, and words of a stick in that time
+_PUSHED, _WAITED = 0.14, 3  # s that a push lasts; commands of a stick in that time
 M = re.compile(rb"@M[TDMRSP][^@$]*\$")
 
 
 def takes_over(story: Story, stay: Stay) -> Iterator[Violation]:
-    """An emergency: by a push that began when every stick had been still for 2 s since it began."""
+    """Only a push takes an emergency over, after every stick was still for 2 s in the emergency."""
     t = stay.begin
     sticks = [(s, found) for s in story.said if s.link != MODEM for found in M.findall(s.data)]
     now = [found for s, found in sticks if abs(s.t - t) < 0.01]
@@ -29,7 +29,7 @@ def takes_over(story: Story, stay: Stay) -> Iterator[Violation]:
         yield Violation(UNLAWFUL, t, f"{now[-1]!r} takes over {stay.before}")
     words = [s.t for s, _ in sticks if s.t < t + 0.01]  # refused or not (R6, G4)
     if not words:
-        return  # one that came in parts
+        return  # the M came in parts
     begun = _emergency_began(story, t)
     wrong = [_wrong_push(_run(words, quiet), begun, t) for quiet in _QUIET]
     if all(wrong) and not story.hindered(t - 2.0 * max(_QUIET), t):
@@ -37,8 +37,10 @@ def takes_over(story: Story, stay: Stay) -> Iterator[Violation]:
 
 
 def _wrong_push(push: Sequence[float], begun: float, t: float) -> str:
-    """What these words are, if not a push that takes over at ``t`` an emergency that has ``begun``;
-    "" if they are one."""
+    """Return why these M are no push that may take over at ``t``; "" if they are one.
+
+    ``begun``: when the emergency began.
+    """
     if push[0] < begun + _QUIET[0]:
         if len(push) > 1:
             return f"a stick heard {t - push[-2]:.1f} s before takes over"
@@ -50,7 +52,7 @@ def _wrong_push(push: Sequence[float], begun: float, t: float) -> str:
 
 
 def _run(words: Sequence[float], quiet: float) -> list[float]:
-    """The last of them that follow each other without so many seconds in between."""
+    """Return the last of them that follow each other without pauses over ``quiet`` s."""
     run: list[float] = []
     for at in reversed(words):
         if run and run[0] - at > quiet:
@@ -60,7 +62,7 @@ def _run(words: Sequence[float], quiet: float) -> list[float]:
 
 
 def _emergency_began(story: Story, t: float) -> float:
-    """When the one that was taken over at ``t`` began, whatever states it went through."""
+    """Return when the emergency began that was taken over at ``t``, through all its states."""
     began = t
     for stay in reversed([stay for stay in story.stays if stay.end <= t]):
         if not stay.state.startswith(EMERGENCY):
@@ -70,14 +72,14 @@ def _emergency_began(story: Story, t: float) -> float:
 
 
 def _neutral(frame: bytes) -> bool:
-    """Speed or force come first in MS and MP, in all others the last number moves."""
+    """Whether an M is neutral: in MS and MP by the first number (speed, force), else the last."""
     numbers = re.findall(rb"-?\d+", frame[3:])
     return bool(numbers) and int(numbers[0 if frame[2:3] in b"SP" else -1]) == 0
 
 
 def lets_go(story: Story, stay: Stay) -> Iterator[Violation]:
     driving = stay.state == MANUAL_DRIVING
-    heard = [stay.begin] * driving  # by an M, though the program dies before its relay leaves
+    heard = [stay.begin] * driving  # by an M, even if the program dies before its relay
     last = max((*heard, *(t for t in story.stick if t <= stay.end)), default=math.nan)
     due = last + _SILENT if driving else story.auto_opens(last + _FORGOTTEN)
     if stay.end > due and not story.hindered(last - 0.1, due):

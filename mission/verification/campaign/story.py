@@ -1,14 +1,14 @@
-"""A trial as timelines: what the laws over the whole flight ask.
+"""A trial as timelines, for the laws over the whole flight.
 
     stays     the states one after the other, "dead" while no program lives
-    told      when a report of the vehicle was taken, with the estimate that came of it
+    told      when the program took a report of the vehicle, with the estimate that followed
     words     the bytes to the vehicle
     said      the bytes of the operators
-    depth     the true one, at any time
+    depth     the true depth at any time
     faulty    whether a fault of some kind was there, or its traces
-    hindered  whether the program could not do its part: dead, standing still, its cable pulled
+    hindered  whether the program could not do its part: dead, stalled, its cable pulled
 
-What does not live here: what is asked (whole_flight and its laws).
+What does not live here: the laws (whole_flight and the modules that it names).
 """
 
 from __future__ import annotations
@@ -42,15 +42,15 @@ from mission.verification.rig.program import DEAD
 from mission.verification.rig.speech import MOTION, Speech
 from mission.verification.rig.trace import Done, Heard, Said, Told, Trace
 
-_BETWEEN = 0.9  # s
+_BETWEEN = 0.9  # s at least between two samples (R5)
 SAME = 1e-3  # s
 TRACES = 30.0  # s for which a fault that is over may still be felt
 _LOOKS_WELL = ("stuck", "drifting", "late", "too_")
 _LEAP = 3.0  # m: 2 m/s from one report to the next (R5), and noise
 _POWER = b"@RS"
 _AFLOAT, _SHOWN = 0.5, 25.0  # m and s: the first fix, 10 s of them, and the window before
-_KNOWN = 6.0  # s until a node that is open again is known to be
-AGAIN = 1.5  # s from the end of a hindrance until all is as before
+_KNOWN = 6.0  # s until the program knows that a node is open again
+AGAIN = 1.5  # s from the end of a hindrance until everything is as before
 UPWARD_WORDS = (b"@ZAWF$", b"@ZAU12$")
 STOP_WORD, DOWN_WORD = b"@ZAX0$", b"@ZAD12$"
 _RESTS = (STOPPED, SURFACED, MANUAL_WAITING)
@@ -60,7 +60,7 @@ _M = re.compile(rb"@M[^@$]{2,10}\$")
 
 @dataclass(frozen=True, slots=True)
 class Stay:
-    """In one state; ``step`` led to it, None for the first and for the dead."""
+    """A time in one state; ``step`` led to it, None if none did (boot, dead)."""
 
     state: str
     begin: float
@@ -74,20 +74,22 @@ class Stay:
 
     @property
     def rests(self) -> bool:
-        """Everything should be stopped."""
+        """Whether everything should be stopped."""
         return self.state.startswith("idle") or self.state in _RESTS
 
     @property
     def ascends(self) -> bool:
-        """The emergency's ascent, or a leg's."""
+        """Whether this is the emergency's ascent, or a leg's."""
         if self.state == SURFACING or self.step is None:
             return self.state == SURFACING
         return self.autonomous and any(a.startswith(_ASCENDS) for a in self.step.actions)
 
 
 def apart(times: Iterable[float]) -> Iterator[bool]:
-    """Of each, s, whether it is 0.9 s behind the last one of which it is so: a fast board says many
-    times what its sensor said once (R5)."""
+    """Yield for each time, s, whether it is at least 0.9 s after the last that counted (R5).
+
+    A fast board reports many times what its sensor measured once.
+    """
     last = -math.inf
     for t in times:
         is_next = t >= last + _BETWEEN
@@ -96,7 +98,7 @@ def apart(times: Iterable[float]) -> Iterator[bool]:
 
 
 class Story:
-    """``silence``: the configured one of the topside, None if any length is allowed."""
+    """``silence``: the longest allowed one of the topside, s; None if any length is allowed."""
 
     def __init__(
         self,
@@ -150,7 +152,7 @@ class Story:
         yield Stay(now.state, now.begin, self.end, now.before, now.step)
 
     def _stick(self) -> Iterator[float]:
-        """When an M left for the vehicle; of a board, when one was said that it has frames for."""
+        """Yield when an M left for the vehicle; of a board, when an M came that it can obey."""
         if self.board is None:
             yield from (word.t for word in self.words if word.data[:2] == b"@M")
             return
@@ -175,7 +177,7 @@ class Story:
     # --- what is asked ---------------------------------------------------------------------------
 
     def depth(self, t: float) -> float:
-        """m, truly; linear between the seconds."""
+        """Return the true depth at ``t``, m; linear between the seconds."""
         at = min(max(t, 0.0), len(self._depths) - 1.001)
         i = int(at)
         return self._depths[i] + (at - i) * (
@@ -187,12 +189,12 @@ class Story:
         return max([*inside, self.depth(begin), self.depth(end)])
 
     def tilt(self, t: float) -> float:
-        """rad away from upright."""
+        """Return the angle from upright, rad."""
         place = self.trial.track[min(int(t), len(self.trial.track) - 1)]
         return math.acos(math.cos(place.roll) * math.cos(place.pitch))
 
     def told_in(self, begin: float, end: float) -> Sequence[Told]:
-        """After ``begin`` and before ``end``."""
+        """Return the reports after ``begin`` and before ``end``."""
         low, high = (
             bisect.bisect_right(self._told_at, begin),
             bisect.bisect_left(self._told_at, end),
@@ -205,18 +207,18 @@ class Story:
         return self._told_at[low - 1] if low else t
 
     def samples_in(self, begin: float, end: float) -> Iterator[Told]:
-        """Of those the ones that limits count: 0.9 s apart at least (R5)."""
+        """Yield the reports that limits count: at least 0.9 s apart (R5)."""
         told = self.told_in(begin, end)
         return compress(told, apart(each.t for each in told))
 
     def words_in(self, begin: float, end: float) -> Sequence[Tx]:
-        """From ``begin`` to ``end``, both with it, but for what rounding moves."""
+        """Return the bytes to the vehicle from ``begin`` to ``end``, inclusive, with rounding."""
         low = bisect.bisect_left(self._word_at, begin - SAME)
         high = bisect.bisect_right(self._word_at, end + SAME)
         return self.words[low:high]
 
     def faults(self, names: Iterable[str], begin: float, end: float) -> list[FaultEvent]:
-        """Those whose names begin so, and that are there or leave traces in this time."""
+        """Return the faults whose names begin so, and that last or leave traces in this time."""
         prefixes = tuple(names)
         return [
             fault
@@ -230,13 +232,16 @@ class Story:
         return bool(self.faults(names, begin, end))
 
     def is_switched(self, begin: float, end: float) -> bool:
-        """An operator has switched the power of sensors in this time (@RS)."""
+        """Whether an operator has switched the power of sensors in this time (@RS)."""
         return any(word.data.startswith(_POWER) for word in self.words_in(begin, end))
 
     def has_leapt(self, t: float) -> bool:
-        """A depth sensor that was wrong and looked well, or has come back elsewhere, is believed
-        again once it has shown the surface for as long as fixes take; before, perhaps not (R5). Nor
-        is one that was right while verticals without thrust pushed in vain."""
+        """Whether the depth may still not be believed at ``t``, after a leap or a vain push (R5).
+
+        A depth that was wrong but looked healthy, or that came back with a leap, is believed again
+        once it has shown the surface for as long as fixes take; before that, perhaps not. The same
+        holds for a true depth after weak verticals pushed in vain.
+        """
         weak = [f for f in self.settings.faults if f.name.startswith("verticals_") and f.begin < t]
         if any(not self._has_shown(self._pushed_at(f, t), t) for f in weak):
             return True
@@ -247,8 +252,10 @@ class Story:
         )
 
     def _pushed_at(self, fault: FaultEvent, t: float) -> float:
-        """When the verticals last pushed in vain before ``t``, by the reports; at the earliest when
-        the fault began."""
+        """Return when the verticals last pushed in vain before ``t``, by the reports.
+
+        The earliest such time is the begin of the fault.
+        """
         pushes = (
             report.t
             for report in self.reports
@@ -257,16 +264,19 @@ class Story:
         return max(pushes, default=fault.begin)
 
     def _leap(self, fault: FaultEvent, over: float) -> float:
-        """m that what it says changes by when it is over; what looked well was contradicted."""
+        """Return by how many m the reported depth leaps as the fault ends.
+
+        It is infinite for a fault that looked healthy: its depth was contradicted.
+        """
         kind = fault.name.removeprefix("depth_")
         if kind in ("frozen", "silent", "intermittent"):
             return abs(self.depth(over) - self.depth(fault.begin))
-        if kind == "dead":  # it says 0, and leaps both ways
+        if kind == "dead":  # it reports 0, and leaps both ways
             return max(self.depth(fault.begin), self.depth(over))
         return math.inf if kind.startswith(_LOOKS_WELL) else 0.0
 
     def _has_shown(self, begin: float, end: float) -> bool:
-        """It was at the surface for ``_SHOWN`` s, fixes coming."""
+        """Whether the vehicle was at the surface for ``_SHOWN`` s, with fixes."""
         since = begin
         for place in self.trial.track[math.ceil(begin) : int(end) + 1]:
             if place.depth > _AFLOAT or self.faulty(("gps_",), place.t, place.t):
@@ -279,7 +289,7 @@ class Story:
         return any(b <= end and e >= begin for b, e in self._hindered)
 
     def auto_opens(self, t: float) -> float:
-        """When node AUTO is open, from then on."""
+        """Return the first time from ``t`` on at which node AUTO is open."""
         return next((e + _KNOWN for b, e in self._closed if b <= t <= e + _KNOWN), t)
 
     def auto_closed(self, begin: float, end: float) -> bool:
@@ -290,7 +300,7 @@ class Story:
         return self.stays[max(at, 0)]
 
     def flights(self) -> Iterator[list[Stay]]:
-        """Stays in legs, one after the other without a break."""
+        """Yield the stays in legs that follow one another without a break."""
         part: list[Stay] = []
         for stay in self.stays:
             if stay.autonomous:
@@ -304,7 +314,7 @@ class Story:
     def flat(
         self, begin: float, end: float, within: int, most: float, deep: float
     ) -> Iterator[tuple[float, float]]:
-        """Stretches deeper than ``deep`` in which it never rises by ``most`` in ``within`` s."""
+        """Yield times deeper than ``deep`` m without a rise by ``most`` m in ``within`` s."""
         depths, since = self._depths, None
         last = min(int(end), len(depths) - 1) - within
         for i in range(math.ceil(begin), last + 1):
@@ -319,12 +329,12 @@ class Story:
 
 
 def _upward(board: Speech | None) -> tuple[bytes, ...]:
-    """The words that bring it up, each of other bytes."""
+    """Return the commands that bring the vehicle up, no two of the same bytes."""
     if board is None:
         return UPWARD_WORDS
     return (b"@ZAU12$",) if board.lifts else ()
 
 
 def gaps(times: Iterable[float], begin: float, end: float) -> Iterator[tuple[float, float]]:
-    """Between neighbours, the two ends with them."""
+    """Yield the gaps between neighbouring times; ``begin`` and ``end`` count as times."""
     yield from pairwise([begin, *(t for t in times if begin < t < end), end])

@@ -1,12 +1,12 @@
-"""Laws of what holds at the surface alone, over the whole flight.
+"""Laws of what is allowed only at the surface, over the whole flight.
 
-    surface    surfaced is said only of what is at the surface
-    end        and of that it is said, at the latest when buoyancy has had the time from the
-               vehicle's own depth, while fixes come
+    surface    only a vehicle at the surface is surfaced
+    end        while fixes come, a vehicle at the surface is surfaced at the latest when buoyancy
+               has had the time to lift it from the vehicle's own depth
     clear      an emergency is cleared at the surface (or by the second @AC, up to 2 m)
     start      a mission begins at the surface (without a fix: up to 2 m)
 
-What does not live here: how an ascent comes there (depth_laws, word_laws).
+What does not live here: how an ascent gets there (depth_laws, word_laws).
 """
 
 from __future__ import annotations
@@ -28,15 +28,15 @@ from mission.verification.rig.acts import Act
 UNLAWFUL = "unlawful"
 UNSENT = "unsent"
 REPEATING = ("gps_stuck", "gps2_stuck", "gps_in_turn")
-_SHALLOW, _AFLOAT, _FIXED = 1.0, 4.0, 0.4  # m within s before, m that allow a fix
-_REPORTS = 2.0  # s between two
+_SHALLOW, _AFLOAT, _FIXED = 1.0, 4.0, 0.4  # m, in the s before; m that allow a fix
+_REPORTS = 2.0  # s between two reports
 _NEARLY = 1.2  # m: 0.8 (R7), and the sensor
-_NEW = 20.0  # s in which a program that began anew has not heard a place twice
+_NEW = 20.0  # s after a restart in which no place has come twice
 _DOUBTED = 40.0  # s
-_OVER, _NO_FIXES = 60.0, ("gps", "capsized", "listing")  # s, and what hides them
+_OVER, _NO_FIXES = 60.0, ("gps", "capsized", "listing")  # s; faults that hide fixes
 _START, _START_FREE, _CLEAR = 1.1, 2.6, 1.1  # m
-_CLEAR_AGAIN = 4.9, 30.5  # s: 5 to 30 (R7), and what a frame takes
-_PROVED = 14  # s: what proves the surface where no depth tells is 10 s old (R7); two reports
+_CLEAR_AGAIN = 4.9, 30.5  # s: 5 to 30 (R7), and the time of a frame
+_PROVED = 14  # s: without a depth the surface was proved 10 s ago (R7); two reports
 _AC, _ORDER = re.compile(rb"@AC\$"), re.compile(rb"@ZA(?:X0|WF)\$")
 _UNDETECTED = ("depth_too", "depth_drifting", "depth_late", "depth_stuck", "depth_inter")
 _IDENTICAL = 5  # reports while a thruster turns, by which a depth counts as frozen
@@ -65,7 +65,7 @@ def _starts_at_surface(story: Story, stay: Stay) -> Iterator[Violation]:
 
 
 def _begins_anew(story: Story, stay: Stay) -> bool:
-    """Out of idle, or out of a stick that has interrupted none."""
+    """Whether a mission begins: out of idle, or out of a stick that has interrupted none."""
     for before in reversed(story.stays[: story.stays.index(stay)]):
         if not before.state.startswith(MANUAL):
             return not before.autonomous
@@ -73,18 +73,18 @@ def _begins_anew(story: Story, stay: Stay) -> bool:
 
 
 def _is_told_surfaced(before: Stay, stay: Stay) -> bool:
-    """The emergency's ascent is over, or a leg's: it did what it is for."""
+    """Whether the emergency's ascent, or a leg's, has ended at the surface, as it is meant to."""
     if stay.state == SURFACED:
         return before.state == SURFACING
     return before.autonomous and stay.step is not None and stay.step.by is By.END
 
 
 def _is_at_surface(story: Story, stay: Stay) -> Iterator[Violation]:
-    """By 6 s of shallow depth, or by a fix: its antenna is out of the water for a while."""
+    """Judge by 6 s of shallow depth, or by a fix: its antenna is above water for a while."""
     t = stay.begin
-    told = t - _REPORTS  # the last report may be as old: what sinks since is not known
+    told = t - _REPORTS  # the last report may be that old: nobody knows of sinking since
     shallow = story.deepest(told - _AFLOAT, told) <= _SHALLOW
-    trough = story.settings.sea.waves[0]  # m that it may have less water over its antenna
+    trough = story.settings.sea.waves[0]  # m: by so much less water may be over the antenna
     fixed = story.deepest(t - 2.0, t) <= _FIXED + trough
     in_vain = lift(story.settings, story.profile, t) < SLIGHT  # pushes contradict a true depth
     unknown = in_vain or not story.told_in(t - 6.0, t) or story.faulty(DEPTH_FAULTS, t - 20.0, t)
@@ -102,7 +102,7 @@ def _is_at_surface(story: Story, stay: Stay) -> Iterator[Violation]:
 
 
 def _is_over(story: Story, stay: Stay) -> Iterator[Violation]:
-    """R7: without a depth, too, an ascent ends after the way from the vehicle's own depth."""
+    """Even without a depth, an ascent ends after the rise from the vehicle's own depth (R7)."""
     way = story.vehicle.limits.depth / story.vehicle.ascent_buoyancy
     since = begin = max(_ascends_since(story, stay) + way, stay.begin)
     lies = story.faults(("depth_",), 0.0, stay.end)
@@ -118,12 +118,14 @@ def _is_over(story: Story, stay: Stay) -> Iterator[Violation]:
 
 
 def _may_be_up(story: Story, stay: Stay) -> bool:
-    """Its ascent has lasted as long as buoyancy takes from where it truly began (R7); or a cable
-    or a program that stood still kept the words of it back."""
+    """Whether the ascent has lasted as long as buoyancy takes from where it truly began (R7).
+
+    It counts as well where a pulled cable or a stalled program kept its commands back.
+    """
     begin = _ascends_since(story, stay)
     if lift(story.settings, story.profile, stay.begin) < SLIGHT:  # it may have sunk all the while
         return True
-    if story.hindered(begin + 2.0 * AGAIN, stay.begin):  # behind a restart it begins anew
+    if story.hindered(begin + 2.0 * AGAIN, stay.begin):  # after a restart the ascent restarts
         return True
     faults = [f.begin for f in story.faults(DEPTH_FAULTS, begin, stay.begin)]
     known = max(begin, min(faults, default=begin))  # until then its depth was believed (R7)
@@ -131,7 +133,7 @@ def _may_be_up(story: Story, stay: Stay) -> bool:
 
 
 def _ascends_since(story: Story, stay: Stay) -> float:
-    """The begin of the ascent that ended in this stay: a leg's, which an emergency goes on with."""
+    """Return when the ascent of this stay began; an emergency continues a leg's ascent."""
     begin = stay.begin
     for before in reversed(story.stays[: story.stays.index(stay)]):
         if not before.ascends:
@@ -159,7 +161,7 @@ def _is_cleared(story: Story, stay: Stay) -> Iterator[Violation]:
 
 
 def _died_near(story: Story, t: float) -> bool:
-    """A depth that said 0 from so near the surface on that nothing tells it from one that rose."""
+    """Whether the depth died (it reads 0) so near the surface that this looks like a rise."""
     dead = story.faults(("depth_dead",), t - _DOUBTED, t)
     return any(story.depth(fault.begin) < _DIED for fault in dead)
 
@@ -177,8 +179,10 @@ def _froze_near(story: Story, t: float) -> bool:
 
 
 def _is_asked_twice(story: Story, t: float) -> bool:
-    """A first @AC 5 to 30 s ago, where it may be repeated, with no X or W behind it, by which it
-    would be another emergency's (R7)."""
+    """Whether a first @AC came 5 to 30 s ago, in a state where it may be repeated (R7).
+
+    After an X or W it does not count: it belonged to another emergency.
+    """
     orders = [s.t for s in story.said if s.t <= t and _ORDER.search(s.data)]
     early = max([t - _CLEAR_AGAIN[1], *orders])
     return any(

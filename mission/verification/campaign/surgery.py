@@ -1,4 +1,4 @@
-"""How a rule is broken: values in place of others, in the running objects, and back.
+"""How a rule is broken: values in the running objects are replaced, and put back.
 
 What does not live here: the rules (broken), whether a flight reaches one (reached).
 """
@@ -11,13 +11,13 @@ from typing import Any
 
 
 class Surgery:
-    """Puts values in place of others, and back."""
+    """Replaces values, and puts them back."""
 
     def __init__(self) -> None:
         self._before: list[tuple[Any, str, Any]] = []
 
     def put(self, owner: Any, name: str, value: Any) -> None:
-        """AttributeError or KeyError if there is nothing of this name to break."""
+        """Replace a value. Raises AttributeError or KeyError if there is none of this name."""
         self._before.append((owner, name, self.found(owner, name)))
         setattr(owner, name, value)
 
@@ -35,31 +35,33 @@ _PATIENCE = 5.0  # s: less than any reading's greatest age
 
 
 def same(whole: object, broken: object) -> bool:
-    """Two results of a function on which nothing depends but what it returns."""
+    """Whether two results are equal, for a function of which only the result matters."""
     return whole == broken
 
 
 def differs(whole: object, broken: object) -> bool:
-    """A function that does something: to call it is the difference."""
+    """Never alike, for a function with effects: any call of it makes a difference."""
     return False
 
 
 def whenever(*given: Any, **named: Any) -> bool:
-    """Whatever a function is given."""
+    """True for all arguments of a function."""
     return True
 
 
 def as_healthy(whole: Any, broken: Any) -> bool:
-    """Valid, and younger than anybody's patience."""
+    """Whether both are valid or both not, and the reading is younger than any age limit."""
     return bool(whole.valid) == bool(broken.valid) and whole.age < _PATIENCE
 
 
 @dataclass(frozen=True, slots=True)
 class Broken:
-    """``rule`` is broken; ``reason``: why no flight can tell, "" if one can. ``alike``: of what a
-    function of the rule returns, whole and broken; true for what makes no difference. ``when``: of
-    what a function of the rule is given, where it does something; false for what the broken one
-    does in the same way."""
+    """How ``rule`` is broken. ``reason``: why no flight can notice, "" if one can.
+
+    ``alike``: takes the results of a function of the rule, whole and broken; true if they make no
+    difference. ``when``: takes the arguments of a function with effects; false if the broken one
+    does the same.
+    """
 
     rule: str
     how: Break
@@ -77,5 +79,5 @@ def nothing(owner: Any, name: str, result: Any = None) -> Break:
 
 
 def always(owner: type, name: str, result: Any) -> Break:
-    """A property."""
+    """Replace a property by one that is always ``result``."""
     return instead(owner, name, property(lambda self: result))

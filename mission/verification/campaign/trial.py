@@ -1,8 +1,8 @@
-"""One disturbed flight on a rig: it ends when nothing more can happen and the vehicle is at the
-surface, or when it should long have been.
+"""One disturbed flight on a rig. It ends when nothing more can happen and the vehicle is at the
+surface, or when the vehicle should have been there long before.
 
-What does not live here: the rig, what is disturbed (draw, disturbances), what is asked of the
-flight (laws, audit).
+What does not live here: the rig, what is disturbed (draw, disturbances), the laws of the flight
+(laws, audit).
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ from mission.verification.rig.rig import Rig
 from mission.verification.rig.trace import Trace
 from mission.verification.rig.vehicle import home_of, simulated
 
-WATCHED = 20.0  # s that a fault is watched at least
+WATCHED = 20.0  # s at least for which a fault is watched
 FOREVER = 1e6  # s: longer than any flight
 QUIET = 20.0  # s at the surface with nothing under way
 ASCENT = 900.0  # s that the way up may take at most, when all faults are over
@@ -48,12 +48,15 @@ Judge = Callable[[Vehicle, str], MissionValidator | None]  # of a vehicle, for a
 @dataclass(frozen=True, slots=True)
 class _Pair:
     digest: str
-    vehicle: Vehicle = field(hash=False)  # which has none
+    vehicle: Vehicle = field(hash=False)  # a vehicle has no hash
 
 
 def known_judge(vehicle: Vehicle, digest: str) -> MissionValidator:
-    """One for all flights of this mission by this vehicle. For flights of the whole program: a
-    verdict is not found again where a rule is broken."""
+    """Return one validator for all flights of this mission by this vehicle.
+
+    Use it only for flights of the whole program: with a rule broken, a kept verdict is not computed
+    again.
+    """
     return _judge(_Pair(digest, vehicle))
 
 
@@ -77,10 +80,13 @@ def try_out(
     configuration: Configuration | None = None,
     judge: Judge = lambda vehicle, digest: None,
 ) -> Trace:
-    """``disturbances`` are at the flight's times. ``offset``: m north and east of home where it
-    begins; ``recorder`` makes one for each life of the program, ``judge`` may know the mission from
-    an earlier flight. ``program`` lives already, and lives on: it is given ``OPERATOR_AFTER`` s
-    before the operator begins."""
+    """Fly a mission once, and return the trace.
+
+    ``disturbances`` are at the flight's times. ``offset``: m north and east of home where the
+    flight begins. ``recorder`` makes one recorder for each run of the program. ``judge`` may know
+    the mission from an earlier flight. A ``program`` that is given runs before and after the
+    flight; the operator begins ``OPERATOR_AFTER`` s later.
+    """
     flown = replace(vehicle, dialect=profile) if vehicle.codec == "auv" else vehicle
     home = home_of(mission)
     sea = simulated(flown, seed, settings, position=moved(*home, *offset), heading=heading)
@@ -115,7 +121,7 @@ def try_out(
 
 
 def _first_flown(lines: tuple[str, ...], mission: Mission) -> Mission:
-    """What the store held as the first flight began: another boat may have sent another mission."""
+    """Return the stored mission as the first flight began: another boat may have sent another."""
     return mission if lines in ((), tuple(script(mission))) else parse("\n".join(lines) + "\n")
 
 
@@ -125,7 +131,7 @@ class _Trial(Rig):
     def expect(
         self, safety: float, settings: Settings, disturbances: Sequence[Disturbance]
     ) -> None:
-        """``safety``: s that the mission may take."""
+        """Plan the disturbances, and when to end; ``safety``: s that the mission may take."""
         for disturbance in disturbances:
             self.plan(disturbance)
         ends = [t for e in settings.faults if (t := fault_ends(e)) < FOREVER]
@@ -137,7 +143,7 @@ class _Trial(Rig):
         self._rests_since: float | None = None
 
     def fly(self, *, begins: bool) -> str:
-        """The traceback of a fault of the program, "" if none. ``begins``: the program, too."""
+        """Fly; return the traceback of a program error, "" if none. ``begins``: boot it first."""
         try:
             if begins:
                 self.program.boot(0.0, 0.0)
@@ -145,7 +151,7 @@ class _Trial(Rig):
             while not self._is_over():
                 self.step()
             self.run_until(self.now)
-        except Exception:  # a fault of the program is what is looked for
+        except Exception:  # the flight looks for errors of the program
             return traceback.format_exc()
         return ""
 
@@ -181,7 +187,7 @@ def _is_turning(sea: SimulatedVehicle) -> bool:
 
 
 def fault_ends(event: FaultEvent) -> float:
-    """At s; a fault for ever never."""
+    """Return when a fault ends, s; infinity if it lasts for ever."""
     duration = event.duration
     if duration is None:
         duration = ANY[event.name].duration

@@ -1,4 +1,4 @@
-"""Rules that no flight of a vehicle can tell from their absence, each with the reason.
+"""Rules whose absence no flight of a vehicle can notice, each with the reason.
 
 What does not live here: the rules (broken), which scenes are staged on which vehicle (staging).
 """
@@ -111,5 +111,5 @@ UNSEEN: Mapping[str, Mapping[str, str]] = {
 
 
 def unseen(rule: str, vehicle: str) -> str:
-    """Why no flight can tell, "" if one can."""
+    """Return why no flight can notice a broken rule, "" if one can."""
     return UNSEEN[vehicle].get(rule, "") if vehicle in UNSEEN else BROKEN[rule].reason

@@ -1,15 +1,15 @@
 """What may not happen at any instant of a disturbed flight, by the truth and by the bytes.
 
-    sunk        under water or going down, and no way up in time (depth_laws)
-    unanswered  a limit passed in truth, and no response in time (limit_laws, leg_laws, area_laws)
-    unsent      a set, a stop or a safe output that had to leave (word_laws, line_laws, output_laws)
+    sunk        under water or sinking, and not on its way up in time (depth_laws)
+    unanswered  a limit truly passed, and no response in time (limit_laws, leg_laws, area_laws)
+    unsent      a set, a stop or a safe output did not leave (word_laws, line_laws, output_laws)
     unlawful    a move that the rules forbid (word_laws, surface_laws, status_laws, clear_laws,
                 output_laws)
 
-A law is a row of FLIGHT_LAWS; what it finds is counted by its kinds.
+A law is a row of FLIGHT_LAWS. Its violations are counted by its kinds.
 
-Written from the rules (docs/rules.md) alone, never from what the engine does. What does not live
-here: the end of a flight and its bounds (laws), who asked for a byte (audit).
+The laws are written from the rules (docs/rules.md) alone, never from what the engine does. What
+does not live here: the end of a flight and its bounds (laws), who asked for a byte (audit).
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ from mission.verification.rig.trace import Trace
 
 @dataclass(frozen=True, slots=True)
 class FlightLaw:
-    """``ask`` finds what a flight breaks; ``kinds`` are those of its violations."""
+    """``ask`` yields the violations of a flight; ``kinds`` are their kinds."""
 
     name: str
     kinds: tuple[str, ...]
@@ -60,11 +60,11 @@ FLIGHT_LAWS: Table[str, FlightLaw] = Table(
         FlightLaw("words", (UNSENT, UNLAWFUL), word_laws),
     ),
 )
-_KINDS = (SUNK, UNANSWERED, UNSENT, UNLAWFUL)  # in the order in which they are told
+_KINDS = (SUNK, UNANSWERED, UNSENT, UNLAWFUL)  # in the order of reports
 
 
 def kinds() -> tuple[str, ...]:
-    """Of all laws, each once."""
+    """Return the kinds of all laws, each once."""
     return tuple(dict.fromkeys((*_KINDS, *(k for law in FLIGHT_LAWS.values() for k in law.kinds))))
 
 
@@ -76,7 +76,7 @@ def throughout(
     settings: Settings,
     silence: float | None = None,
 ) -> Iterator[Violation]:
-    """``silence``: how long the topside may be silent, s."""
+    """Yield all violations of a flight; ``silence``: how long the topside may be silent, s."""
     if trial.raised:
         return
     story = Story(trial, mission, vehicle, profile, settings, silence)

@@ -1,11 +1,11 @@
-"""Every word of the language, flown with what it waits for withheld: no fix, no arrival, a guard
-that never holds, a sensor that stands or is gone, ``else`` taken.
+"""Every word of the mission language, flown without what it waits for: no fix, no arrival, a guard
+that never holds, a sensor that is stuck or silent, ``else`` taken.
 
 The check bounds what can happen, not what is likely. So each row of the language's tables has
-missions (a word without one fails a test; those of leg types and variables stand in their rows),
-and each is flown at the edge of what is assumed: the whole current, the farthest start, the deepest
-floor, the compass and the speed as far off as they may be, something withheld for as long as the
-flight lasts.
+missions. (A word without one fails a test; leg types and variables have theirs in their own rows.)
+Each mission is flown at the edge of the assumptions: the whole current, the farthest start, the
+deepest floor, the compass and the speed as far off as they may be, and something withheld to the
+end of the flight.
 
 What does not live here: the laws of a flight (proofs), the words themselves (language.words).
 """
@@ -41,7 +41,7 @@ HEAD = (
 )
 _TO = "goto north 60 east 0 gear 8 depth 4"
 _SENSORS = (Sensor.DEPTH, Sensor.ALTITUDE, Sensor.HEADING, Sensor.ATTITUDE)
-_HELD = (Sensor.DEPTH, Sensor.ALTITUDE)  # stuck and noisy, they look well
+_HELD = (Sensor.DEPTH, Sensor.ALTITUDE)  # stuck and noisy, they look healthy
 _NO_FIX = "gps_lost"
 SOURCE = "--word"  # on the command line of the campaign, with its number
 
@@ -59,7 +59,7 @@ SETTINGS: Mapping[str, tuple[str, ...]] = {
     "left": ("a: gear 0 left 6 for 20",),
     "right": ("a: gear 0 right 6 for 20",),
 }
-# What this vehicle cannot do or tell: the compiler refuses the words.
+# What this vehicle cannot do or report: the compiler refuses these words.
 REFUSED: Mapping[str, str] = {
     "pitch": "a: pitch 5 for 20",
     "roll": "a: roll 5 for 20",
@@ -89,7 +89,7 @@ ASSUMPTIONS: Mapping[str, tuple[str, ...]] = {
 }
 _BAY = "north -130 east -130, north -130 east 130, north 900 east 130, north 900 east -130"
 STATEMENTS: Mapping[str, tuple[str, ...]] = {
-    # As near as the check lets them be.
+    # Areas as near as the check allows.
     "keep": (
         "keep out bar: north 170 east -399, north 170 east 399, north 900 east 0\n"
         f"keep in bay: {_BAY}\na: heading 0 gear 8 depth 4 for 40",
@@ -108,12 +108,12 @@ STATEMENTS: Mapping[str, tuple[str, ...]] = {
 
 
 def drawn_for(claim: Claim, flight: int) -> Draw:
-    """A word is always flown so, a mission every third time."""
+    """Return how a flight is drawn: withheld for every word, and every third time for a mission."""
     return draw_withheld if claim.source.startswith(SOURCE) or flight % 3 == 2 else draw_proof
 
 
 def missions() -> Iterator[tuple[str, str]]:
-    """Every word with each of its texts."""
+    """Yield every word with each of its mission texts."""
     kinds = {row.name: row.trials for row in LEGS.values()}
     for table in (kinds, SETTINGS, CLAUSES, ASSUMPTIONS, STATEMENTS):
         for word, bodies in table.items():
@@ -126,13 +126,13 @@ def missions() -> Iterator[tuple[str, str]]:
 
 
 def claims(vehicle: Vehicle) -> Iterator[Claim]:
-    """What the check proves of each."""
+    """Yield what the check proves of each mission."""
     for number, (word, body) in enumerate(missions()):
         yield claim_of(vehicle, word, body, number)
 
 
 def claim_of(vehicle: Vehicle, word: str, body: str, number: int) -> Claim:
-    """Raises ValueError where the check refuses the text: a fault of these tables."""
+    """Return what the check proves. Raises ValueError if it refuses: these tables are wrong."""
     mission = parse(f"{HEAD.format(name=f'{word}-{number}')}{body}\n")
     report = check_mission(compile_mission(mission, vehicle, digest(mission)), vehicle)
     if not report.ok or report.proved is None:
@@ -141,7 +141,7 @@ def claim_of(vehicle: Vehicle, word: str, body: str, number: int) -> Claim:
 
 
 def draw_withheld(claim: Claim, vehicle: Vehicle, seed: int, flight: int) -> Proof:
-    """At the edge of what is assumed, with something withheld to the end."""
+    """Draw a flight at the edge of the assumptions, with something withheld to the end."""
     rng = Random(f"withheld {seed} {claim.mission.name} {flight}")
     allowed = claim.mission.safety.depth or vehicle.limits.depth
     assume = Assumptions.of(claim.mission, vehicle, min(allowed, vehicle.limits.depth))
@@ -164,12 +164,15 @@ def draw_withheld(claim: Claim, vehicle: Vehicle, seed: int, flight: int) -> Pro
 
 
 def _direction(rng: Random) -> float:
-    """North, where most of the texts lead, or any."""
+    """Return north, where most of the texts lead, or any of eight directions, rad."""
     return rng.choice((0.0, rng.choice(range(8)) * math.tau / 8.0))
 
 
 def _withheld(rng: Random, claim: Claim) -> Iterator[FaultEvent]:
-    """A sensor, or the fixes (not the depth as well: then nothing would prove the surface)."""
+    """Yield the fault of a sensor, if any, and the loss of the fixes.
+
+    The fixes are not lost along with the depth: then nothing would prove the surface.
+    """
     begin = round(rng.uniform(10.0, 12.0 + 0.5 * claim.proved.worst_time), 1)
     sensor = rng.choice((*_SENSORS, None))
     if sensor is not None:

@@ -1,16 +1,16 @@
-"""Laws of words and moves over the whole flight: who may do what, and what must have left.
+"""Laws of commands and moves over the whole flight: who may do what, and what must have left.
 
     clock      a leg lasts no longer than its clock allows
-    stop       an X0 goes out again until it is acknowledged; and where a report shows a thruster on
-    restart    what was under way surfaces; an emergency that had ended is latched
-    end        told to end, the program brings up first what is under way
-    stick      no stick that is held, and none in neutral, takes an emergency over (R6); 2 s without
-               M everything is stopped, a minute later manual is left
-    commander  one connection commands while it is heard (R12)
-    AUTO       closed: no mission goes on or begins, nothing turns by itself, nor is held up (R13)
+    stop       an X0 is repeated until it is acknowledged, and where a report shows a thruster on
+    restart    a vehicle that was under way surfaces; an emergency that had ended is latched
+    end        told to end, the program first brings up a vehicle that is under way
+    stick      no stick that is held, and none in neutral, takes an emergency over (R6); after 2 s
+               without M everything is stopped, and a minute later manual is left
+    commander  one connection commands while its frames are received (R12)
+    AUTO       closed: no mission continues or begins, nothing turns by itself or is held up (R13)
     gap        20 ms between two frames on the line
     refused    a set that is answered N: the leg's else (refusal_laws)
-    blind      a leg that needs a reading which fails is left within 6 s of that being known
+    blind      a leg that needs a failed reading is left within 6 s of the failure being known
 
 What does not live here: who asked for a byte (audit), an X, W or set in time (obedience), what
 holds at the surface alone (surface_laws).
@@ -54,18 +54,18 @@ from protocol.messages import FrameFault, Order
 from protocol.topside import TopsideCodec
 
 _CLOCK = 0.6  # s
-_STOP_AGAIN = 1.6  # s: every 0.5 s, behind three tries of another word
-_TURNS = 1  # report with a thruster on: X0 leaves with it
+_STOP_AGAIN = 1.6  # s: every 0.5 s, after three tries of another command
+_TURNS = 1  # report with a thruster on: X0 leaves after it
 _UPWARD = 2.0  # s after a restart
-_DEEP_ENOUGH, _STAYS = 1.5, 100.0  # m, s: an ascent from where scenes are
-_UP = 0.5  # m: so it shows the surface for ever
-_RISES = 0.5  # m in 5 s: let go it floats up
+_DEEP_ENOUGH, _STAYS = 1.5, 100.0  # m, s: an ascent from the depth of the scenes
+_UP = 0.5  # m: a port that clogs above it shows the surface for ever
+_RISES = 0.5  # m in 5 s: let go, the vehicle floats up
 _LEFT = 2.5  # m: 2 (R7, an orderly end), and the sensor
 _DURABLE = 1.5  # s after which a state is on disk
-_BLIND, _FROZEN = 14.0, 12.0  # s: 6 s (R8), and what three reports more may take
+_BLIND, _FROZEN = 14.0, 12.0  # s: 6 s (R8), and the time of three more reports
 _COMMANDS = 9.5  # s
-_COPY = 125.0  # s: so much later a word is a copy of one by modem, and its answer may take a while
-_RELAYED = 2.0  # s from a word to the answer of its relay
+_COPY = 125.0  # s for which a command is a copy of one by modem, with time for its answer
+_RELAYED = 2.0  # s from a command to the answer of its relay
 _ACKNOWLEDGED = re.compile(rb"@ACK_Z[XA]Y\$")
 _ACCEPTED = re.compile(rb"@ACK_(?:(?:AA|AC|SP|ST|AW|NS|RS)[^N]|RI.)\$", re.DOTALL)
 _NODE, _LET_GO = 1.0, 1.0  # s
@@ -100,7 +100,7 @@ def word_laws(story: Story) -> Iterator[Violation]:
 
 @functools.lru_cache(maxsize=64)
 def _clocks(text: str, vehicle: str) -> Mapping[str, float]:
-    """The longest stay in each leg, s."""
+    """Return the longest stay in each leg, s."""
     mission = parse(text)
     chart = compile_mission(mission, flown(vehicle), digest(mission))
     legs = {state.path: state.leg for state in chart.states if state.leg is not None}
@@ -121,7 +121,11 @@ def _ends_in_time(story: Story, stay: Stay, clocks: Mapping[str, float]) -> Iter
 
 
 def _is_left_blind(story: Story, stay: Stay) -> Iterator[Violation]:
-    """Frozen is known by five reports while a thruster turns, and so is a heading at full scale."""
+    """A leg without a reading that it needs is left.
+
+    A frozen reading is known by five reports while a thruster turns, and so is a heading at full
+    scale.
+    """
     commands = commands_of(stay.step) if stay.step is not None else []
     if not commands or stay.ascends:
         return
@@ -180,8 +184,11 @@ def _doubts(story: Story, stay: Stay, stops: list[float], end: float) -> Iterato
 
 
 def _begins_again(story: Story, stay: Stay) -> Iterator[Violation]:
-    """What was under way long enough to be on the disk, and the disk had room. Who dies in the
-    write of a state may have left either on it. An operator's X takes the place of what waits."""
+    """A restart finds the state on disk, if it lasted long enough and the disk was not full.
+
+    A program that dies while it writes a state may have left either state there. An operator's X
+    replaces the commands that wait.
+    """
     dead = next(s for s in reversed(story.stays) if s.state == DEAD and s.end <= stay.begin)
     was = next(s for s in reversed(story.stays) if s.end <= dead.begin and s.state != DEAD)
     full = any(done.act is Act.FILL and done.t < stay.begin for done in story.done)
@@ -205,8 +212,10 @@ def _begins_again(story: Story, stay: Stay) -> Iterator[Violation]:
 
 
 def _ends_on_its_way_up(story: Story) -> Iterator[Violation]:
-    """Told to end under way, it is on its way up, and stays until it is there (R7). Where an X has
-    come since it waits for what is deeper than 2 m."""
+    """Told to end under way, the program brings the vehicle up, and stays until it is up (R7).
+
+    After an X it waits for a vehicle that is deeper than 2 m.
+    """
     for end in story.done:
         if end.act is not Act.END:
             continue
@@ -232,14 +241,20 @@ def _ends_on_its_way_up(story: Story) -> Iterator[Violation]:
 
 
 def _allowed(story: Story, gone: float) -> float:
-    """m: how deep an end may leave it; where nothing brings it up it waits from 2 m on (R7)."""
+    """Return how deep the vehicle may be as the program ends, m.
+
+    Where nothing brings it up, the program waits while it is deeper than 2 m (R7).
+    """
     waits = story.stay_at(gone - SAME).state == STOPPED or story.auto_closed(gone - SAME, gone)
     return _LEFT if waits else _DEEP_ENOUGH
 
 
 def _is_unseen(story: Story, gone: float) -> bool:
-    """A clogged port showed the surface, and it is on its way there; or the port clogged there; or
-    a drift showed it, and it is on its way there by a thrust that stays."""
+    """Whether a wrong depth has shown the surface.
+
+    Its port clogged at the surface; or the vehicle rises with a clogged port; or it rises with a
+    drifting depth, by a thrust that stays.
+    """
     rises = story.depth(gone - 5.0) - story.depth(gone) > _RISES
     clogged = story.faults(("depth_stuck",), gone, gone)
     there = any(story.depth(fault.begin) < _UP for fault in clogged)
@@ -257,21 +272,24 @@ def _has_word(story: Story, begin: float, end: float) -> bool:
 
 
 def _one_commands(story: Story) -> Iterator[Violation]:
-    """By what was acknowledged to whom; X and W hand the command over, and so does an M, which is
-    not acknowledged, by the stick that it moves. Who says nothing that is a frame is silent. What
-    counts is when a word was said: a relay is answered later."""
+    """Only the connection whose command was acknowledged last gets commands acknowledged.
+
+    X and W hand the command over. So does an M, which is not acknowledged, when it takes the stick.
+    A connection without whole frames counts as silent. The time of sending counts: a relay is
+    answered later.
+    """
     commander, heard = "", -math.inf
-    stick: Said | None = None  # the last M of who does not command, and may
-    free: dict[str, float] = {}  # when who does not command last said a word that it may
+    stick: Said | None = None  # the last M of another connection that may take over
+    free: dict[str, float] = {}  # when each other one last sent an allowed command
     streams: defaultdict[str, TopsideCodec] = defaultdict(TopsideCodec)
-    by_modem: dict[bytes, float] = {}  # answers, and when they were last given there
+    by_modem: dict[bytes, float] = {}  # answers, and when each last went there
     for event in story.trial.events:
         if isinstance(event, Said):
             if event.link == TOPSIDE and _ORDER.search(event.data):
-                free[commander] = heard  # until now: what it has asked for is answered behind that
+                free[commander] = heard  # until now: its requests are answered after that
                 commander = event.address
             if event.link == MODEM:
-                commander = ""  # who commands over it is not read here
+                commander = ""  # the commander by modem is not known here
             elif _has_frame(streams[event.address], event):
                 if event.address == commander:
                     heard = event.t
@@ -285,11 +303,11 @@ def _one_commands(story: Story) -> Iterator[Violation]:
             if event.link == MODEM:
                 by_modem[accepted[0]] = event.t
             other = commander and event.address != commander and event.t - heard < _COMMANDS
-            # Asked before an X or W of another: it gives nothing back.
+            # Asked before an X or W of another: it does not get the command back.
             relayed = other and event.t - free.get(event.address, -math.inf) <= _RELAYED
             copied = event.t - by_modem.get(accepted[0], -math.inf) < _COPY
             if event.link != TOPSIDE or relayed or copied:
-                continue  # R12: of what was said by modem a copy is answered as done
+                continue  # R12: a copy of a command by modem is answered as done
             if other and not story.hindered(event.t - _COMMANDS, event.t):
                 says = f"{event.data!r} to {event.address!r} while {commander!r} commands"
                 yield Violation(UNLAWFUL, event.t, says)
@@ -299,7 +317,7 @@ def _one_commands(story: Story) -> Iterator[Violation]:
 
 
 def _has_frame(stream: TopsideCodec, said: Said) -> bool:
-    """What was begun before may be given up now."""
+    """Whether the bytes complete a frame. An unfinished one before may be given up now."""
     due = stream.next_timer()
     given_up = stream.flush(said.t) if due is not None and due <= said.t else []
     found = [*given_up, *stream.receive(said.data, said.t)]
@@ -307,7 +325,7 @@ def _has_frame(stream: TopsideCodec, said: Said) -> bool:
 
 
 def _auto_closed(story: Story) -> Iterator[Violation]:
-    """Once it is acknowledged, and until somebody opens it."""
+    """Judge from the acknowledged closing of AUTO until somebody opens it."""
     for said in story.said:
         found = AUTO_NODE.fullmatch(said.data)
         if found is None or found[1] == b"O":
@@ -329,7 +347,7 @@ def _auto_closed(story: Story) -> Iterator[Violation]:
 
 
 def _is_let_go(story: Story, begin: float, end: float) -> Iterator[Violation]:
-    """The last word of before is a stop, and nothing else is said."""
+    """The last command before AUTO is closed is a stop, and only stops follow."""
     if story.board is not None or story.hindered(begin - _LET_GO, end):
         return
     orders = [w for w in story.words_in(0.0, end - 2.0 * SAME) if w.data.startswith(b"@ZA")]
@@ -344,7 +362,7 @@ def _at_rest(state: str) -> bool:
 
 
 def _by_limit(stay: Stay) -> bool:
-    """Or by a stick that was forgotten."""
+    """Whether a limit or a forgotten stick led here."""
     return stay.step is not None and stay.step.trigger in ("limit", "forgotten")
 
 
