@@ -96,7 +96,7 @@ def campaign(
         raise click.UsageError("--show prints a generated mission: say --generated NUMBER")
     if generated is not None and show:
         where.refuse("--show flies nothing")
-        _print(vehicle, seed, generated)
+        click.echo(_generated_text(vehicle, seed, generated), nl=False)
         return
     if vehicle != "auv" and (words or word is not None):
         raise click.UsageError("--words are of the AUV: leave --vehicle out")
@@ -106,6 +106,9 @@ def campaign(
     else:
         subjects = [] if generated is None else [Subject(flown(vehicle), None, generated)]
         subjects += _said(word) if words or word is not None else []
+    made = next((subject for subject in subjects if subject.known is None), None)
+    if made is not None:  # learn here, not in each worker, whether this vehicle has missions at all
+        _generated_text(vehicle, seed, made.number)
     which = range(flights) if flight is None else [flight]
     jobs: list[Job] = [(subject, number) for subject in subjects for number in which]
     asked = {"flights": "within what was proved", "seed": seed, "vehicle": contents(flown(vehicle))}
@@ -161,12 +164,13 @@ def _said(number: int | None) -> list[Subject]:
     return [found[number]]
 
 
-def _print(vehicle: str, seed: int, number: int) -> None:
+def _generated_text(vehicle: str, seed: int, number: int) -> str:
+    """The text of a generated mission. Exit 2 for a vehicle that none is found for."""
     from mission.verification.campaign.generated import NoneFound, generate
     from mission.verification.rig.vehicle import flown
 
     try:
-        click.echo(generate(seed, number, flown(vehicle)).text, nl=False)
+        return generate(seed, number, flown(vehicle)).text
     except NoneFound as error:
         raise click.UsageError(str(error)) from error
 
