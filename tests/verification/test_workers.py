@@ -11,10 +11,7 @@ import re
 import signal
 import subprocess
 import sys
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -32,7 +29,6 @@ from mission.verification.workers.code import code, difference
 from mission.verification.workers.kept import Unusable, keeping
 from mission.verification.workers.outcome import Lost, had
 from mission.verification.workers.places import Place, place
-from mission.verification.workers.progress import Progress
 
 TWO = place("processes", 2)
 LOCAL = place("local")
@@ -386,47 +382,3 @@ def test_programs_differ_by_how_their_processor_multiplies_matrices() -> None:
 def test_a_place_that_is_none_is_refused(on: str) -> None:
     with pytest.raises(ValueError, match=r"place|HOST:PORT"):
         place(on)
-
-
-class Backwards:
-    """A place where the last job ends first."""
-
-    @contextmanager
-    def doing(self, work: Callable[[Any], Any]) -> Iterator[Any]:
-        yield lambda jobs: ((name, work(job)) for name, job in reversed([*jobs]))
-
-
-def test_progress_counts_what_has_ended_behind_a_job_that_has_not(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    monkeypatch.setattr("mission.verification.workers.progress.EVERY", 0.0)
-    told: list[str] = []
-
-    def ends(number: int) -> int:
-        told.append(f"{number} ends")
-        return number
-
-    progress = Progress(3, "flights", lambda line: told.append(line.split(",")[0]))
-    found: list[Any] = list(results(ends, range(3), Backwards(), progress=progress))  # type: ignore[arg-type]
-    assert found == [0, 1, 2]
-    assert told == [
-        "2 ends", "1 of 3 flights", "1 ends", "2 of 3 flights", "0 ends", "3 of 3 flights",
-    ]  # fmt: skip
-
-
-def test_progress_tells_rate_and_time_left_of_what_is_really_done(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    clock = SimpleNamespace(monotonic=lambda: clock.now, now=0.0)
-    monkeypatch.setattr("mission.verification.workers.progress.time", clock)
-    told: list[str] = []
-
-    def takes_two_seconds(job: Job) -> float:
-        clock.now += 2.0
-        return do(job)
-
-    kept_squares(tmp_path / "kept.jsonl", SQUARES[:4])
-    progress = Progress(len(SQUARES), "squares", told.append)
-    with keeping(tmp_path / "kept.jsonl", ASKED, float) as kept:
-        list(results(takes_two_seconds, SQUARES, LOCAL, kept=kept, progress=progress))
-    assert told == [f"{n} of 8 squares, 0.5 a second, {16 - 2 * n} s left" for n in range(5, 9)]

@@ -6,6 +6,7 @@ import time
 from collections.abc import Callable
 
 EVERY = 2.0  # s between two lines of progress, at least
+_UNITS = (("a second", 1.0), ("a minute", 60.0), ("an hour", 3600.0))
 
 
 class Progress:
@@ -24,7 +25,13 @@ class Progress:
         now = time.monotonic()
         if now - self._told >= EVERY or self._ended == self._total:
             self._told = now
-            rate = max(self._done, 1) / max(now - self._begun, 1e-3)
-            left = (self._total - self._ended) / rate
+            left = self._total - self._ended
             ended = f"{self._ended} of {self._total} {self._word}"
-            self._tell(f"{ended}, {rate:.1f} a second, {left:.0f} s left")
+            self._tell(f"{ended}, {pace(max(self._done, 1), left, now - self._begun)}")
+
+
+def pace(done: float, left: float, seconds: float) -> str:
+    """Return in words how much is done in which time, and when the rest is done at this rate."""
+    rate = done / max(seconds, 1e-3)
+    unit, lasts = next((row for row in _UNITS if rate * row[1] >= 1.0), _UNITS[-1])
+    return f"{rate * lasts:.1f} {unit}, {left / rate:.0f} s left"
