@@ -5,8 +5,8 @@ result with the name of its job, written as it comes. A last line that is incomp
 While a command uses the file it has a lock on it (flock), so no second command adds to it.
 
 A line that is written survives the command. To survive a power cut it has to be on the disk. To
-wait for the disk takes milliseconds, so a line that comes less than SYNC seconds after the last wait
-is left to the next one, or to the system (Linux writes it after half a minute).
+wait for the disk takes milliseconds. So a line that comes less than SYNC seconds after the last
+wait is left to the next one, or to the system (Linux writes it after half a minute).
 """
 
 from __future__ import annotations
