@@ -8,12 +8,13 @@ from typing import Any
 
 import pytest
 import yaml
-from labour import do
-from test_cluster import ROOT, SQUARES, begun
+from clusters import ROOT, begun
+from labour import Job, do
 
 from mission.verification.workers import results
 from mission.verification.workers.places import place
 
+SQUARES: list[Job] = [("square", n) for n in range(12)]
 DEPLOY = ROOT / "deploy" / "campaign"
 CLUSTER, POLICY = yaml.safe_load_all((DEPLOY / "cluster.yaml").read_text())
 
@@ -57,13 +58,13 @@ def test_what_the_manifest_begins_does_jobs(tmp_path: Path) -> None:
     dask, scheduler, *options = container("scheduler")["args"]
     assert (dask, scheduler) == ("dask", "scheduler")
     here = ["dask_scheduler", *options, "--host", "127.0.0.1", "--port", "0"]
-    with begun(here, tmp_path, str(ROOT), b"Scheduler at") as rest:
-        address = rest.decode().partition("tcp://")[2].strip()
+    with begun(here, tmp_path, str(ROOT), "Scheduler at:", {}) as program:
+        address = program.word.removeprefix("tcp://")
         dask, worker, *options = container("worker")["args"]
         assert (dask, worker) == ("dask", "worker")
         call = ["dask_worker", *(o.replace("$(DASK_WORKER_NAME)", "one") for o in options)]
         path = os.pathsep.join([str(ROOT), str(ROOT / "tests" / "worlds")])
         operators = {"DASK_SCHEDULER_ADDRESS": f"tcp://{address}"}
-        with begun(call, tmp_path, path, b"Registered to", **operators):
+        with begun(call, tmp_path, path, "Registered to", operators):
             found = list(results(do, SQUARES, place(f"dask://{address}")))
     assert found == [do(square) for square in SQUARES]

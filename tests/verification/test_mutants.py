@@ -9,15 +9,14 @@ import shutil
 import signal
 import subprocess
 import sys
-from collections.abc import Iterator
-from contextlib import ExitStack
 from pathlib import Path
 
 import pytest
+from clusters import ROOT
 from served import soon
-from test_cluster import ROOT, scheduling, worker
 
 from mission.verification.workers.copied import Ended, packed, run_copied
+from mission.verification.workers.places import Place
 
 pytestmark = pytest.mark.xdist_group("cluster")
 TOPS = ("mission", "links", "protocol", "missions", "tests", "docs")
@@ -42,14 +41,6 @@ def tree(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-@pytest.fixture(scope="module")
-def address(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
-    with scheduling(tmp_path_factory.mktemp("scheduler")) as found, ExitStack() as workers:
-        for _ in range(2):
-            workers.enter_context(worker(found, tmp_path_factory.mktemp("worker")))
-        yield found
-
-
 def tried(tree: Path, *options: str) -> list[str]:
     run = [sys.executable, "tests/mutation/run.py", *CALL, "--only", ",".join(map(str, range(24)))]
     env = os.environ | {"PYTHONPATH": str(tree)}
@@ -61,13 +52,13 @@ def tried(tree: Path, *options: str) -> list[str]:
 @pytest.mark.proof
 @pytest.mark.replaces
 def test_mutants_are_noticed_alike_wherever_they_are_tried(
-    tree: Path, address: str, tmp_path: Path
+    tree: Path, cluster: Place, tmp_path: Path
 ) -> None:
     here = tried(tree)
     assert 1 < len(here) < 24, "some survive this one test"
     kept = tmp_path / "kept.jsonl"
     assert tried(tree, "--on", "processes", "--workers", "2", "--resume", str(kept)) == here
-    assert tried(tree, "--on", f"dask://{address}") == here
+    assert tried(tree, "--on", f"dask://{cluster.address}") == here
     rows = kept.read_text().splitlines()
     assert ["--only" in json.loads(row)["job"] for row in rows[1:]] == [True, True]
     assert tried(tree, "--on", "processes", "--workers", "2", "--resume", str(kept)) == here

@@ -5,6 +5,8 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Callable
+from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 from click.testing import CliRunner, Result
@@ -16,6 +18,7 @@ from mission.verification.campaign.soak import Soaked
 from mission.verification.exhaustive import run
 from mission.verification.exhaustive.run import Found
 from mission.verification.workers import progress, results
+from mission.verification.workers.kept import keeping
 from mission.verification.workers.places import place
 from mission.verification.workers.progress import Progress, pace
 
@@ -31,6 +34,25 @@ def test_progress_tells_rate_and_time_left() -> None:
     assert list(results(abs, range(5), place("local"), progress=Progress(5, "jobs", lines.append)))
     assert [line.split(",")[0] for line in lines] == ["5 of 5 jobs"]
     assert "a second, 0 s left" in lines[-1]
+
+
+def test_the_rate_is_of_what_is_done_and_not_of_what_was_kept(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    clock = SimpleNamespace(monotonic=lambda: clock.now, now=0.0)
+    monkeypatch.setattr(progress, "time", clock)
+    lines: list[str] = []
+
+    def takes_two_seconds(number: int) -> int:
+        clock.now += 2.0
+        return number
+
+    for jobs in (4, 8):
+        counted = Progress(jobs, "jobs", lines.append)
+        with keeping(tmp_path / "kept.jsonl", {}, int) as kept:
+            list(results(takes_two_seconds, range(jobs), place("local"), str, kept, counted))
+    rest = zip(range(5, 9), (6, 4, 2, 0), strict=True)
+    assert lines[4:] == [f"{n} of 8 jobs, 30.0 a minute, {left} s left" for n, left in rest]
 
 
 @pytest.mark.parametrize(

@@ -4,19 +4,16 @@ stand in other folders: no job needs a file."""
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
-from contextlib import ExitStack
 from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
 from served import soon
-from test_cluster import scheduling, worker
 
 from mission.cli import main
 from mission.model.shipped import vehicle_file
 from mission.verification.workers import results
-from mission.verification.workers.places import place
+from mission.verification.workers.places import Place, place
 from mission.verification.workers.telling import tell
 
 pytestmark = [pytest.mark.proof, pytest.mark.xdist_group("cluster")]
@@ -36,15 +33,6 @@ FILES = {
     .read_text()
     .replace("full_speed: 1000", "full_speed: 900"),
 }
-
-
-@pytest.fixture(scope="module")
-def address(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
-    """Of a scheduler with two workers."""
-    with scheduling(tmp_path_factory.mktemp("scheduler")) as found, ExitStack() as workers:
-        for _ in range(2):
-            workers.enter_context(worker(found, tmp_path_factory.mktemp("worker")))
-        yield found
 
 
 @pytest.fixture
@@ -77,23 +65,23 @@ def said(call: str, on: str) -> str:
     ids=lambda call: call[:40],
 )
 @pytest.mark.usefixtures("here")
-def test_a_command_says_the_same_from_everywhere(call: str, address: str) -> None:
+def test_a_command_says_the_same_from_everywhere(call: str, cluster: Place) -> None:
     alone = said(call, "local")
     assert said(call, "processes") == alone
-    assert said(call, f"dask://{address}") == alone
+    assert said(call, f"dask://{cluster.address}") == alone
 
 
 @pytest.mark.usefixtures("here")
-def test_results_of_a_cluster_are_taken_for_those_of_this_process(address: str) -> None:
+def test_results_of_a_cluster_are_taken_for_those_of_this_process(cluster: Place) -> None:
     call = "rehearse dive.mission --vehicle own-auv.yaml --flights 3 --json --resume kept.jsonl"
-    there = said(call, f"dask://{address}")
+    there = said(call, f"dask://{cluster.address}")
     before = Path("kept.jsonl").read_bytes()
     assert said(call, "local") == there
     assert Path("kept.jsonl").read_bytes() == before
 
 
 def test_what_a_job_tells_reaches_the_command(
-    address: str, capfd: pytest.CaptureFixture[str]
+    cluster: Place, capfd: pytest.CaptureFixture[str]
 ) -> None:
     told = ""
 
@@ -102,6 +90,6 @@ def test_what_a_job_tells_reaches_the_command(
         told += capfd.readouterr().err
         return f"to {on}" in told
 
-    for on in ("local", "processes", f"dask://{address}"):
+    for on in ("local", "processes", f"dask://{cluster.address}"):
         assert list(results(tell, [f"to {on}"], place(on, 1))) == [None]
         soon(has_come, f"a line of {on}")
