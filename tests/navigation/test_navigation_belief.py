@@ -256,6 +256,38 @@ def test_an_altimeter_that_hears_itself_all_the_way_down_explains_no_depth_that_
     assert dive.go(20.0, DOWN, at(clogs_at), at(0.6)).startswith("contradicted: the verticals")
 
 
+@pytest.mark.parametrize("heard", [10.0, 25.0])
+@pytest.mark.parametrize("rings_at", [0.3, 0.98])
+def test_ground_that_comes_near_faster_than_a_vehicle_sinks_explains_no_depth_that_stands(
+    heard: float, rings_at: float
+):
+    """As flight 13397 of seed 11833: its port clogged, and seconds later its altimeter, 25 m above
+    the ground, heard its own pulse. It was 30 m deep, where 20 m were allowed."""
+    dive = Dive(noise=0.03)
+    dive.mains = 0.4
+    dive.go(10.0, DOWN, sinking(0.33), lambda s: heard + 3.3 - 0.33 * s)
+    dive.go(6.0, DOWN, at(3.4), lambda s: heard - 0.33 * s)
+    reason = dive.go(20.0, DOWN, at(3.4), lambda s: rings_at + dive.rng.gauss(0.0, 0.05))
+    assert reason.startswith("contradicted: the verticals push down")
+
+
+def test_a_step_of_the_ground_and_ground_that_was_last_heard_long_ago_are_ground():
+    dive = Dive(noise=0.03)
+    dive.go(10.0, DOWN, sinking(0.33), lambda s: 8.0 - 0.33 * s)
+    assert dive.go(120.0, DOWN, at(3.4), near(dive)) == ""
+    dive = Dive(noise=0.03)
+    dive.go(20.0, DOWN, sinking(0.4), lambda s: 20.0 if s < 1.0 else None)
+    assert dive.go(120.0, DOWN, at(8.0), near(dive)) == ""
+
+
+def test_an_altimeter_that_has_heard_itself_is_believed_once_it_hears_far_ground():
+    dive = Dive(noise=0.03)
+    dive.go(10.0, REST, at(0.2), at(20.0), fixes=True)
+    dive.go(10.0, REST, at(0.2), at(0.5), fixes=True)
+    dive.go(40.0, DOWN, sinking(0.5), lambda s: max(0.3, 20.0 - 0.5 * s))
+    assert dive.go(120.0, DOWN, at(20.0), near(dive)) == ""
+
+
 @pytest.mark.parametrize("seed", range(4))
 def test_to_crawl_along_a_slope_is_natural_where_the_altimeter_says_that_there_is_ground(seed):
     dive = Dive(seed, 0.05)

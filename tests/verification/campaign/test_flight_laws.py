@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 from types import SimpleNamespace
 
 import pytest
@@ -19,7 +20,7 @@ from mission.onboard.runtime.operator_server import OperatorServer
 from mission.onboard.runtime.runtime import VEHICLE
 from mission.onboard.runtime.situation import Situation
 from mission.verification.campaign.broken import broken
-from mission.verification.campaign.depth_laws import _misses_its_lift
+from mission.verification.campaign.depth_laws import _misses_its_lift, _missing
 from mission.verification.campaign.draw import Drawn, Plan, stage
 from mission.verification.campaign.faults import fly_plan, result_of, shipped, subjects
 from mission.verification.campaign.leg_laws import waits
@@ -27,7 +28,7 @@ from mission.verification.campaign.limit_laws import _BY_REPORT, _by_report
 from mission.verification.campaign.reports import Report
 from mission.verification.campaign.scene import DOWN, X, repeated, say
 from mission.verification.campaign.status_laws import _is_alone, _is_stuck, _is_told, _is_told_up
-from mission.verification.campaign.story import Stay
+from mission.verification.campaign.story import Stay, Story
 from mission.verification.campaign.surface_laws import (
     _come_round,
     _died_near,
@@ -380,6 +381,33 @@ def test_a_board_that_is_busy_with_a_stop_lets_what_is_held_up_sink_until_u12_is
         words_in=lambda begin, end: [word for word in words if begin <= word.t <= end],
     )
     assert _misses_its_lift(told, 149.69) is missed  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("roll", "pitch", "missing"),
+    [
+        (115.0, 0.0, ["@ZAU12$"]),
+        (121.0, 0.0, []),  # upside down by R7: U12, which led deeper, is not tried again
+        (-121.0, 0.0, []),
+        (121.0, 40.0, []),  # 113 degrees from upright
+        (129.0, 0.0, []),
+        (140.0, 0.0, ["@ZAD12$"]),
+    ],
+)
+def test_beyond_120_degrees_no_way_is_missed_and_beyond_130_a_push_down_is(
+    roll: float, pitch: float, missing: list[str]
+) -> None:
+    place = SimpleNamespace(roll=math.radians(roll), pitch=math.radians(pitch))
+    words = [Tx(5.0, VEHICLE, b"@ZAWF$", ""), Tx(20.0, VEHICLE, b"@ZAX0$", "")]
+    told = SimpleNamespace(
+        trial=SimpleNamespace(track=(place,)),
+        upward=(b"@ZAWF$", b"@ZAU12$"),
+        words_in=lambda begin, end: [word for word in words if begin <= word.t <= end],
+        told_in=lambda *_: range(10),
+        faulty=lambda *_: False,
+    )
+    told.tilt, told.heel = (partial(each, told) for each in (Story.tilt, Story.heel))
+    assert _missing(told, 0.0, 150.0) == missing  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize(
