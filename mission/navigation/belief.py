@@ -95,7 +95,8 @@ class DepthBelief:
         self._by_fixes = False  # the fixes contradict the depth ...
         self._is_offset = False  # ... and nothing else does
         self._samples: tuple[_Sample, ...] = ()
-        self._way, self._pushed_at = 0, -math.inf  # the push that should move it (1 down), and when
+        self._way, self._pushed_at = 0, -math.inf  # the push that must move it (1 down), and when
+        self._along = 0  # the push that moves it if nothing is in its way
         self._lapsed_at = -math.inf  # of a report without push that did not end the push
         self._calm_at = self._still_at = math.inf  # since when nothing pushes down; no main is on
         self._moved_at = self._grounded_at = -math.inf
@@ -168,10 +169,11 @@ class DepthBelief:
         if altitude is not None:
             self._notice_ground(t, altitude)
         gone = quiet is not None and _FIXES_GO < quiet <= _HAD and abs(depth) < FIX_DEPTH
-        if way := self._push(depth, push, gone):
+        if way := (along := self._push(depth, push, gone)):
             at_ground = t - self._grounded_at <= _LIES
             if (at_ground and not gone) if way > 0 else depth < FIX_DEPTH:
                 way = 0
+        self._along = along
         lapses = not way and self._way != 0 and t - self._lapsed_at > WINDOW  # only one in it
         lapses = lapses and len(self._samples) > 1 and t - self._samples[-2].t <= _LAPSE
         self._lapsed_at = t if lapses else self._lapsed_at
@@ -336,9 +338,11 @@ class DepthBelief:
             self.reason = ""
 
     def _moves_along(self, moved: float) -> bool:
-        """Whether it moves the way the verticals push, or either way where nothing pushes."""
+        """Whether it moves the way the verticals push, or either way where nothing pushes. Ground
+        that an altimeter reports explains only a depth that stands."""
         calm = self._way == 0 and self._calm_at <= self._samples[0].t
-        return self._travels(moved) and (moved * self._way > 0.0 or calm)
+        way = self._way or self._along
+        return self._travels(moved) and (moved * way > 0.0 or calm)
 
     def _sinks(self, t: float, mean: float, moved: float, receiver: Receiver) -> bool:
         """Whether it sinks slowly, as a vehicle that is hardly too heavy: under 1 m a window."""

@@ -325,6 +325,18 @@ def test_no_echo_is_the_ground_where_it_says_it_is_at_the_surface_and_fixes_have
     assert dive.go(24.0, DOWN, at(0.2), at(0.6)).startswith("contradicted: the verticals push down")
 
 
+@pytest.mark.parametrize("heard", [0.55, None])
+def test_ground_that_an_altimeter_makes_up_keeps_no_depth_that_moves_from_belief(heard):
+    """As flight 667 of seed 12237: contradicted at the surface by dead verticals, its altimeter
+    ringing, a board that dives by itself took it down. Ground explains only a depth that stands."""
+    dive = Dive(noise=0.03)
+    assert dive.go(20.0, DOWN, at(0.2), fixes=True)
+    assert dive.go(60.0, REST, at(0.2), at(heard), fixes=True)
+    pushed = Vertical(1.0, None)
+    assert dive.go(4.0, pushed, at(0.2), at(heard))
+    assert dive.go(8.0, pushed, sinking(0.45), at(heard)) == ""
+
+
 @pytest.mark.parametrize("push", [DOWN, UP])
 def test_a_push_that_lapses_for_one_report_goes_on_and_for_two_it_has_ended(push):
     depth = at(4.2)
