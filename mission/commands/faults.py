@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     from mission.onboard.runtime.records import Recorder
     from mission.verification.campaign.draw import Plan, Subject
     from mission.verification.campaign.faults import FlightResult, Totals
-    from mission.verification.campaign.noticing import Noticed
     from mission.verification.workers.outcome import Lost
 
 
@@ -79,22 +78,25 @@ def faults(
     laws on what it may be sent, are those of its own document.
 
     `at_most` bounds the probability that a flight drawn like these breaks a law (exact binomial,
-    95 %). `digest` is the same wherever the same flights are flown.
+    95 %); a flight that is `undone` counts as if it had. `digest` is the same wherever the same
+    flights are flown.
     """
     import json
     import sys
 
+    from mission.commands.faults_broken import break_rules
+    from mission.commands.faults_soaked import soak_here, soak_seeds
     from mission.verification.campaign.faults import Totals
 
+    _refuse_two_kinds(rule=rule, soak=soak, flight=flight, search=search, calm=calm)
+    _refuse_unused(where, flight, report, soak, soaks)
     known = _known(vehicle)
     if rule is not None:
-        sys.exit(_break(rule, seed, flights, where, known, as_json, search))
-    if soaks is not None:
-        if soak is None:
-            raise click.UsageError("--soaks needs --soak DAYS")
-        sys.exit(_soak_many(soak, range(seed, seed + soaks), where, known, as_json))
+        sys.exit(break_rules(rule, seed, flights, where, known, as_json=as_json, searched=search))
+    if soak is not None and soaks is not None:
+        sys.exit(soak_seeds(soak, range(seed, seed + soaks), where, known, as_json=as_json))
     if soak is not None:
-        sys.exit(_soak(soak, seed, known, as_json))
+        sys.exit(soak_here(soak, seed, known))
     totals = Totals()
     also: dict[str, Any] = {}
     if flight is not None:
@@ -105,6 +107,31 @@ def faults(
         also = _by_chance(totals, seed, flights, where, known, calm, as_json)
     click.echo(json.dumps(totals.as_json() | also))
     sys.exit(0 if totals.clean else 1)
+
+
+def _refuse_two_kinds(**said: object) -> None:
+    """Refuse kinds of flights of which all but one would be ignored."""
+    kinds = {name for name, value in said.items() if value not in (None, False)}
+    if len(kinds) > 1 and kinds not in ({"rule", "search"}, {"flight", "calm"}):
+        names = sorted("--broken" if kind == "rule" else f"--{kind}" for kind in kinds)
+        raise click.UsageError(f"{' and '.join(names)} are kinds of flights: say one")
+
+
+def _refuse_unused(
+    where: Where,
+    flight: str | None,
+    report: Path | None,
+    soak: float | None,
+    soaks: int | None,
+) -> None:
+    if report is not None and flight is None:
+        raise click.UsageError("--report needs --flight")
+    if soaks is not None and soak is None:
+        raise click.UsageError("--soaks needs --soak DAYS")
+    if flight is not None:
+        where.refuse("--flight flies here and keeps nothing")
+    if soak is not None and soaks is None:
+        where.refuse("--soak flies here and keeps nothing", ", or say --soaks 1")
 
 
 def _known(vehicle: str) -> tuple[Subject, ...]:
@@ -162,13 +189,14 @@ def _by_chance(
     calm: bool,
     as_json: bool,
 ) -> dict[str, Any]:
-    """Return the values beside the totals: a bound on the share of flights that break a law."""
+    """Return the values beside the totals: a bound on the share of flights that break a law. A
+    flight without a result counts as if it had."""
     import functools
 
     from mission.verification.bounds import at_most
     from mission.verification.campaign.faults import FlightResult
     from mission.verification.workers import results
-    from mission.verification.workers.progress import with_progress
+    from mission.verification.workers.progress import Progress
 
     work = functools.partial(_fly_calmly if calm else _fly_numbered, seed, known)
     asked = {"flights": "calm" if calm else "by chance", "seed": seed}
@@ -176,11 +204,12 @@ def _by_chance(
         asked["vehicle"] = known[0].vehicle
     tell = functools.partial(click.echo, err=True)
     with where.keeping(asked, FlightResult) as kept:
-        found = results(work, range(flights), where.place, kept=kept)
-        for number, result in enumerate(with_progress(found, flights, "flights", tell, kept.count)):
+        progress = Progress(flights, "flights", tell)
+        found = results(work, range(flights), where.place, kept=kept, progress=progress)
+        for number, result in enumerate(found):
             again = _again(seed, str(number), calm, known)
             _take(totals, result, str(number), as_json, again)
-    return {"at_most": at_most(totals.broken, totals.flights)}
+    return {"at_most": at_most(totals.broken + totals.undone, totals.flights + totals.undone)}
 
 
 def _take(
@@ -213,7 +242,7 @@ def _search(
     import functools
 
     from mission.verification.campaign.search import Search, Searched, flown
-    from mission.verification.workers.progress import with_progress
+    from mission.verification.workers.progress import Progress
 
     search = Search(known)
     tell = functools.partial(click.echo, err=True)
@@ -221,8 +250,8 @@ def _search(
     if known[0].vehicle != "auv":
         asked["vehicle"] = known[0].vehicle
     with where.keeping(asked, Searched) as kept:
-        found = flown(search, seed, flights, known, where.place, kept)
-        for name, result in with_progress(found, flights, "flights", tell, kept.count):
+        progress = Progress(flights, "flights", tell)
+        for name, result in flown(search, seed, flights, known, where.place, kept, progress):
             _take(totals, result, name, as_json, _again(seed, name, False, known))
     nearest = sorted(search.nearest.items())
     told = {law: {"seed": seed, "flight": near.name, "left": near.left} for law, near in nearest}
@@ -248,114 +277,6 @@ def _fly_plan(plan: Plan, recorder: Callable[[], Recorder | None], calmly: bool)
     if calmly:
         return fly_calmly(plan, recorder)
     return result_of(plan, fly_plan(plan, plan.vehicle, recorder), plan.vehicle, plan.profile)
-
-
-def _break(
-    rule: str,
-    seed: int,
-    flights: int,
-    where: Where,
-    known: tuple[Subject, ...],
-    as_json: bool,
-    search: bool,
-) -> int:
-    """Break rules, and return the exit code."""
-    import functools
-    import json
-
-    from mission.model.compiled import compiled
-    from mission.verification.campaign.broken import BROKEN
-    from mission.verification.campaign.noticing import Noticed, in_table
-    from mission.verification.workers import results
-    from mission.verification.workers.outcome import Lost
-
-    if rule != "all" and rule not in BROKEN:
-        raise click.BadParameter(f"no rule {rule!r}; known: {', '.join(BROKEN)}")
-    if compiled():
-        raise click.UsageError("compiled code cannot be broken: --broken takes the pure build")
-    names = list(BROKEN) if rule == "all" else [rule]
-    found: list[Noticed] = []
-    work = functools.partial(_notice, seed, flights, known, search)
-    asked: dict[str, Any] = {"flights": "broken", "seed": seed, "most": flights}
-    asked["searched"] = search
-    if known[0].vehicle != "auv":
-        asked["vehicle"] = known[0].vehicle
-    undone: list[str] = []
-    with where.keeping(asked, Noticed) as kept:
-        for noticed in results(work, names, where.lasting(flights).place, kept=kept):
-            if isinstance(noticed, Lost):
-                undone.append(noticed.name)
-            else:
-                found.append(noticed)
-            click.echo(
-                str(noticed) if isinstance(noticed, Lost) else in_table(noticed), err=as_json
-            )
-    blind = [n.name for n in found if n.flights is None and not n.reason]
-    object_ = {"rules": len(found), "noticed": sum(n.flights is not None for n in found)}
-    flown = sum(n.flights or flights for n in found if not n.reason)
-    told = {"blind": blind, "undone": undone, "flights": flights, "seed": seed, "flown": flown}
-    click.echo(json.dumps(object_ | told))
-    return 1 if blind or undone else 0
-
-
-def _notice(
-    seed: int, flights: int, known: tuple[Subject, ...], search: bool, name: str
-) -> Noticed:
-    from mission.verification.campaign.noticing import flights_of, notice
-
-    return notice(name, flights_of(seed, known), flights, searched=search)
-
-
-def _soak(days: float, seed: int, known: Sequence[Subject], as_json: bool) -> int:
-    """Fly one soak, and return the exit code."""
-    import json
-    import tempfile
-
-    from mission.verification.campaign import soak
-    from mission.verification.rig.vehicle import flown
-
-    def told(soaked: soak.Soaked, result: FlightResult) -> None:
-        for line in soak.story(soaked, result, seed, known[0].vehicle):
-            click.echo(line)
-        if soaked.missions % 20 == 0:
-            words = f"{soaked.days:.2f} of {days:g} days, {soaked.missions} missions"
-            click.echo(f"{words}, growth {soaked.growth}", err=True)
-
-    with tempfile.TemporaryDirectory(prefix="soak-") as folder:
-        soaked = soak.soak(days, seed, known, flown(known[0].vehicle), Path(folder), told)
-    click.echo(json.dumps(soaked.as_json()))
-    if soaked.interrupted:
-        raise KeyboardInterrupt
-    return 0 if soaked.held else 1
-
-
-def _soak_many(
-    days: float, seeds: range, where: Where, known: Sequence[Subject], as_json: bool
-) -> int:
-    """Return the exit code. Each soak has a process of its own, so that its memory is measured."""
-    import functools
-    import json
-
-    from mission.verification.campaign.soak import Summary, soak_alone
-    from mission.verification.rig.vehicle import flown
-    from mission.verification.workers import results
-    from mission.verification.workers.outcome import Lost
-
-    work = functools.partial(soak_alone, days, known, flown(known[0].vehicle))
-    place = where.lasting(1.0 + days).place
-    found: dict[int, Any] = {}
-    held = True
-    asked = {"flights": "soaked", "days": days}
-    if known[0].vehicle != "auv":
-        asked["vehicle"] = known[0].vehicle
-    with where.keeping(asked, Summary) as kept:
-        for seed, one in zip(seeds, results(work, seeds, place, kept=kept), strict=True):
-            held = held and not isinstance(one, Lost) and one.held
-            found[seed] = None if isinstance(one, Lost) else one.found
-            for line in [f"seed {one}"] if isinstance(one, Lost) else one.stories:
-                click.echo(line, err=as_json)
-    click.echo(json.dumps({"soaks": found}))
-    return 0 if held else 1
 
 
 @contextmanager

@@ -28,7 +28,7 @@ _PATIENCE = click.option(
     "--patience",
     metavar="SECONDS",
     type=click.FloatRange(0.0, min_open=True),
-    help="A job that takes longer hangs: it is tried again, and then told.",
+    help="A job that takes longer hangs: it is tried again, and then told. Not with --on local.",
 )
 _RESUME = click.option(
     "--resume",
@@ -40,14 +40,20 @@ _RESUME = click.option(
 
 @dataclass(frozen=True, slots=True)
 class Where:
-    """The values of the options."""
+    """The values of the options. ``given``: the options that were given, as written."""
 
     place: Place
     resume: Path | None
+    given: tuple[str, ...] = ()
 
     def lasting(self, factor: float) -> Where:
         """The same for jobs that each last as long as ``factor`` others."""
-        return Where(replace(self.place, patience=factor * self.place.patience), self.resume)
+        return replace(self, place=replace(self.place, patience=factor * self.place.patience))
+
+    def refuse(self, why: str, instead: str = "") -> None:
+        """Refuse the options, if any was given, for a call that has no use for them."""
+        if self.given:
+            raise click.UsageError(f"{why}: leave out {', '.join(self.given)}{instead}")
 
     @contextmanager
     def keeping(self, asked: Mapping[str, Any], kind: Any) -> Iterator[Kept[Any]]:
@@ -79,13 +85,19 @@ def job_options(command: Callable[..., None]) -> Callable[..., None]:
         resume: Path | None,
         **others: Any,
     ) -> None:
-        from mission.verification.workers.places import PATIENCE, place
+        from mission.verification.workers.places import LOCAL, PATIENCE, PROCESSES, place
 
+        said = {"--on": on, "--workers": workers, "--patience": patience, "--resume": resume}
+        given = tuple(name for name, value in said.items() if value is not None)
+        if on not in (None, PROCESSES) and workers is not None:
+            raise click.UsageError(f"--workers are processes of this machine: none with --on {on}")
+        if on == LOCAL and patience is not None:
+            raise click.UsageError("--patience ends processes: there is none with --on local")
         try:
-            chosen = place(on, workers, patience or PATIENCE)
+            at = place(on or (PROCESSES if patience else None), workers, patience or PATIENCE)
         except ValueError as error:
             raise click.BadParameter(str(error), param_hint="--on") from None
-        command(**others, where=Where(chosen, resume))
+        command(**others, where=Where(at, resume, given))
 
     for option in (_RESUME, _PATIENCE, _WORKERS, _ON):
         called = option(called)

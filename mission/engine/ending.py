@@ -31,7 +31,7 @@ from mission.model import (
     By,
     Ending,
 )
-from mission.model.regions import MANUAL
+from mission.model.regions import IDLE, MANUAL
 from protocol.messages import UPWARD
 
 WHY = "the program is ended"
@@ -66,7 +66,8 @@ def settled(core: Core) -> bool:
 
 def _is_left_alone(core: Core) -> bool:
     """Whether the vehicle needs the program no more once it has carried out the last command."""
-    return not (_is_under_way(core) or _may_sink_again(core) or _is_deep(core))
+    deep = _is_deep(core) or _may_be_deep(core)
+    return not (_is_under_way(core) or _may_sink_again(core) or deep)
 
 
 def hears_stick(core: Core) -> bool:
@@ -121,12 +122,23 @@ def _may_still_turn(core: Core) -> bool:
 def _is_deep(core: Core) -> bool:
     """Whether the vehicle is over 2 m deep, by a believed depth; while reports are missing, by the
     last believed one."""
-    state = core.vehicle_state
-    depth = state.depth
-    if depth is None and not core.is_heard:
-        on_deck = state.receiver.at_surface(core.now)  # recovered, its board without power
-        depth = state.believed_depth if state.submerged and not on_deck else None
+    depth = core.vehicle_state.depth
+    if depth is None and _is_lost_under_water(core):
+        depth = core.vehicle_state.believed_depth
     return depth is not None and depth > DEEP
+
+
+def _may_be_deep(core: Core) -> bool:
+    """Whether something led the vehicle, which was under water, and no report has come since: it
+    may have gone deeper. In idle nothing has led it."""
+    return core.region != IDLE and core.vehicle_state.depth is None and _is_lost_under_water(core)
+
+
+def _is_lost_under_water(core: Core) -> bool:
+    """Whether reports are missing, the last believed depth was under water, and no fixes show that
+    the vehicle is up: recovered, its board without power."""
+    state = core.vehicle_state
+    return not core.is_heard and state.submerged and not state.receiver.at_surface(core.now)
 
 
 def _at_surface(core: Core) -> bool:

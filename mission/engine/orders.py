@@ -25,6 +25,7 @@ from mission.engine.core import Core
 from mission.engine.ending import WHY, hears_stick
 from mission.engine.limits import SILENCE
 from mission.engine.outset import too_far
+from mission.engine.thrust import dives
 from mission.engine.vehicle_state import FIX_AGE, SURFACE_DEPTH
 from mission.legs import LEGS
 from mission.model import (
@@ -204,6 +205,8 @@ def why_not_fly(core: Core, chart: Chart) -> str:
     depth, free = core.vehicle_state.depth or 0.0, chart.mission.start_without_fix
     if depth >= (START_DEPTH if free else SURFACE_DEPTH):
         return f"{depth:.1f} m deep: a mission starts at the surface"
+    if dives(report) and not (core.vehicle.drives or core.vehicle_state.overturned):
+        return "the verticals push it down: a mission starts at the surface"
     bounds = core.watch.bounds
     for state in chart.states:
         if state.leg is None or state.setpoint is None or state.path == IMPLICIT_SURFACE:

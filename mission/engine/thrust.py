@@ -9,6 +9,7 @@ from protocol.messages import UPWARD, Order, Setpoint, Telemetry
 
 MAINS, THRUSTERS = 2, 5  # of the actuators: mains before 2, verticals before 5, then rudders
 NEUTRAL = 0.02  # share of full thrust
+_DIVES = 0.5  # share of full thrust down, as reported: it would not stay at the surface
 _NONE = Setpoint()
 
 
@@ -31,3 +32,8 @@ def downward(report: Telemetry) -> float | None:
     """Share of full thrust of the verticals, downward positive; None if they are not reported."""
     verticals = (report.actuators or ())[MAINS:THRUSTERS]
     return -sum(verticals) / len(verticals) if verticals else None
+
+
+def dives(report: Telemetry) -> bool:
+    """Whether the verticals, in their frame, push down so hard that no surface is kept (R7)."""
+    return (downward(report) or 0.0) >= _DIVES

@@ -15,7 +15,7 @@ from typing import Self
 from mission.engine.attitude import Attitude
 from mission.engine.navigator import Navigator
 from mission.engine.standing import Standing
-from mission.engine.thrust import downward, with_thrust
+from mission.engine.thrust import dives, downward, with_thrust
 from mission.legs.base import Point, wrap
 from mission.model import (
     CONTRADICTED,
@@ -36,7 +36,6 @@ SURFACE_DEPTH = 0.5  # m (R7)
 IN_AIR = -FIX_DEPTH  # m: the zero of a usable sensor is not off by as much (R5)
 SURFACE_TIME = 6.0  # s (R7) ...
 _STILL_RISES = 0.25  # m less deep than when these began: it is not at the surface yet
-_PUSHED_DOWN = 0.5  # share of full thrust down, as reported: it would not stay at the surface
 _ALL = 0.75  # share of full thrust: asks for as deep, or as high, as the vehicle goes
 _POSITION_PERIOD = 1.0  # s: positions within it share one error
 _ESTIMATE_AGE = 2.5  # s: an older estimate is predicted to now
@@ -116,8 +115,8 @@ class VehicleState:
         self.telemetry = report
         self.attitude = self.attitude.after(driven := with_thrust(report, self.word))
         if self.navigation:
-            over = self.overturned  # then the same push leads the other way
-            push = Vertical(None, None) if over else Vertical(downward(report), self._asked())
+            aside = self.attitude.pushes_sideways  # upside down it leads the other way
+            push = Vertical(None, None) if aside else Vertical(downward(report), self._asked())
             self.navigation.telemetry(driven, push)
             self.estimate = self.navigation.estimate(report.t)
         self._forget()
@@ -136,8 +135,8 @@ class VehicleState:
         if lives:
             self.believed_depth, self._believed_at = depth, report.t
         if not self._grounded:
-            dives = (downward(report) or 0.0) >= _PUSHED_DOWN and not self.overturned
-            shallow = lives and not dives and depth is not None and IN_AIR < depth < SURFACE_DEPTH
+            kept = lives and (not dives(report) or self.overturned)  # not left by a push down
+            shallow = kept and depth is not None and IN_AIR < depth < SURFACE_DEPTH
             self._notice_surface(report.t, depth if shallow else None, before, silent)
         true = self.estimate.heading if self.estimate else None
         if report.heading is not None and true is not None and self.health("heading").valid:

@@ -55,6 +55,8 @@ _SHORT = 0.5  # m short of the depth asked for, where the verticals report their
 _UNREPORTED = 1.0  # m short, where they do not report: a depth hold may stay that far off
 _NEUTRAL, _STILL = 0.1, 0.1  # share of full thrust that counts as off: verticals, mains
 _GROUND, _LIES = 1.0, 60.0  # m of altitude within the last s: the vehicle may lie on the ground
+_STEP = 3.0  # m: ground may rise by as much between two echoes, beside what the vehicle sinks ...
+_FAR = 2.0  # m: ... if by more, the altimeter hears itself, until it reports more than this
 _UNEVEN = 0.7  # m by which depth + altitude may differ then: no ground sinks with the vehicle
 _FIXES_GO = 3.0  # s without a new place: the antenna is under water
 _HAD = 60.0  # s without a new place at most, for fixes to count as ended just now
@@ -93,11 +95,14 @@ class DepthBelief:
         self._by_fixes = False  # the fixes contradict the depth ...
         self._is_offset = False  # ... and nothing else does
         self._samples: tuple[_Sample, ...] = ()
-        self._way, self._pushed_at = 0, -math.inf  # the push that should move it (1 down), and when
+        self._way, self._pushed_at = 0, -math.inf  # the push that must move it (1 down), and when
+        self._along = 0  # the push that moves it if nothing is in its way
         self._lapsed_at = -math.inf  # of a report without push that did not end the push
         self._calm_at = self._still_at = math.inf  # since when nothing pushes down; no main is on
         self._moved_at = self._grounded_at = -math.inf
         self._heard_from = math.inf, -math.inf  # m, depth + altitude of near grounds: least, most
+        self._echo: tuple[float, float] | None = None  # s, m: the last altitude
+        self._stepped = False  # the ground came near by a step that no vehicle sinks
         self._ground_from: tuple[float, float] | None = None  # s, m: begin of a slow change
         self._doubted_at = -math.inf
         self._low = self._high = math.nan  # least and greatest mean of the depth since then
@@ -164,10 +169,11 @@ class DepthBelief:
         if altitude is not None:
             self._notice_ground(t, altitude)
         gone = quiet is not None and _FIXES_GO < quiet <= _HAD and abs(depth) < FIX_DEPTH
-        if way := self._push(depth, push, gone):
+        if way := (along := self._push(depth, push, gone)):
             at_ground = t - self._grounded_at <= _LIES
             if (at_ground and not gone) if way > 0 else depth < FIX_DEPTH:
                 way = 0
+        self._along = along
         lapses = not way and self._way != 0 and t - self._lapsed_at > WINDOW  # only one in it
         lapses = lapses and len(self._samples) > 1 and t - self._samples[-2].t <= _LAPSE
         self._lapsed_at = t if lapses else self._lapsed_at
@@ -180,7 +186,14 @@ class DepthBelief:
 
     def _notice_ground(self, t: float, altitude: float) -> None:
         """Note whether the vehicle may lie on the ground. An altimeter that reports so little all
-        the way down hears itself. Means, since waves move the depth of a vehicle on the ground."""
+        the way down hears itself. So does one whose altitude falls faster than a vehicle sinks,
+        by more than a step of the ground. Means, since waves move a vehicle on the ground."""
+        if altitude > _FAR:
+            self._stepped = False
+        elif self._echo is not None:
+            at, above = self._echo
+            self._stepped |= above - altitude > _STEP + _BODY * (t - at)
+        self._echo = t, altitude
         if altitude > _GROUND:
             self._grounded_at, self._heard_from = -math.inf, (math.inf, -math.inf)
             return
@@ -193,7 +206,8 @@ class DepthBelief:
             ground = _mean([under + above for under, above in heard if above <= _GROUND])
             least, most = min(least, ground), max(most, ground)
             self._heard_from = least, most
-        self._grounded_at = t if most - least <= _UNEVEN else -math.inf
+        real = not self._stepped and most - least <= _UNEVEN
+        self._grounded_at = t if real else -math.inf
 
     def _push(self, depth: float, push: Vertical, gone: bool) -> int:
         """Return the way of a push that must move the depth: 1 down, -1 up, 0 if it may stand.
@@ -324,9 +338,11 @@ class DepthBelief:
             self.reason = ""
 
     def _moves_along(self, moved: float) -> bool:
-        """Whether it moves the way the verticals push, or either way where nothing pushes."""
+        """Whether it moves the way the verticals push, or either way where nothing pushes. Ground
+        that an altimeter reports explains only a depth that stands."""
         calm = self._way == 0 and self._calm_at <= self._samples[0].t
-        return self._travels(moved) and (moved * self._way > 0.0 or calm)
+        way = self._way or self._along
+        return self._travels(moved) and (moved * way > 0.0 or calm)
 
     def _sinks(self, t: float, mean: float, moved: float, receiver: Receiver) -> bool:
         """Whether it sinks slowly, as a vehicle that is hardly too heavy: under 1 m a window."""

@@ -2,49 +2,19 @@
 
 from __future__ import annotations
 
-import os
 import signal
-import subprocess
-import sys
 from pathlib import Path
 
 import click
 import pytest
 from click.testing import CliRunner
+from commanded import CODE, begun, group_of, interrupted
 from served import PATIENCE, noted_processes, soon
 
 from mission.cli import COMMANDS, main
 from mission.verification.campaign import soak
 from mission.verification.simulation import staged
 from mission.verification.simulation.demo import Demo
-
-CODE = 128 + signal.SIGINT
-
-
-def begun(*call: str) -> subprocess.Popen[str]:
-    """In a process group of its own, and with Ctrl-C heard, as a terminal has it: who runs the
-    tests in the background may have it ignored."""
-    return subprocess.Popen(
-        [sys.executable, *call],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-        start_new_session=True,
-        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
-    )
-
-
-def group_of(process: subprocess.Popen[str]) -> list[int]:
-    """The processes of its group that live."""
-    found = []
-    for stat in Path("/proc").glob("[0-9]*/stat"):
-        try:
-            state, _, group = stat.read_text().rpartition(")")[2].split()[:3]
-        except (FileNotFoundError, ProcessLookupError):
-            continue
-        if int(group) == process.pid and state != "Z":
-            found.append(int(stat.parent.name))
-    return found
 
 
 def hears_interrupts(pid: int) -> bool:
@@ -54,14 +24,6 @@ def hears_interrupts(pid: int) -> bool:
     )
     kept_out = int(status["SigBlk"], 16) | int(status["SigIgn"], 16)
     return not kept_out >> (signal.SIGINT - 1) & 1
-
-
-def interrupted(process: subprocess.Popen[str]) -> tuple[int, str]:
-    """Exit code, and what was said to stderr after Ctrl-C."""
-    os.killpg(process.pid, signal.SIGINT)
-    _, said = process.communicate(timeout=PATIENCE)
-    soon(lambda: not group_of(process), "nobody is left")
-    return process.returncode, said
 
 
 @pytest.mark.parametrize("name", COMMANDS)
@@ -80,30 +42,19 @@ def test_every_command_that_is_interrupted_ends_with_exit_130_and_one_word(
 
 @pytest.mark.proof
 def test_flights_in_several_processes_end_with_their_processes() -> None:
-    process = begun("-m", "mission", "faults", "--flights", "2000", "--workers", "2")
-    try:
+    call = ("-m", "mission", "faults", "--flights", "2000", "--workers", "2")
+    with begun(*call) as process:
         soon(lambda: len(group_of(process)) >= 4, "both work, and who tracks what they share")
-        code, said = interrupted(process)
-    finally:
-        if group_of(process):
-            os.killpg(process.pid, signal.SIGKILL)
-    assert code == CODE
-    rest = [line for line in said.splitlines() if " of 2000 flights" not in line]
-    assert rest == ["interrupted"]
+        assert interrupted(process) == (CODE, ["interrupted"])
 
 
 @pytest.mark.proof
 def test_flights_that_were_interrupted_are_kept_and_the_rest_flown_later(tmp_path: Path) -> None:
     kept = tmp_path / "kept.jsonl"
     call = ("-m", "mission", "faults", "--seed", "4", "--workers", "2", "--resume", str(kept))
-    process = begun(*call, "--flights", "2000")
-    try:
+    with begun(*call, "--flights", "2000") as process:
         soon(lambda: kept.exists() and kept.read_bytes().count(b"\n") > 4, "some have ended")
-        code, _ = interrupted(process)
-    finally:
-        if group_of(process):
-            os.killpg(process.pid, signal.SIGKILL)
-    assert code == CODE
+        assert interrupted(process) == (CODE, ["interrupted"])
     there = kept.read_bytes()
     assert there.endswith(b"\n")
     again = CliRunner().invoke(main, ["faults", "--seed", "4", "--flights", "6", *call[-2:]])
@@ -125,8 +76,7 @@ def test_jobs_that_never_end_do_not_outlive_who_wanted_them(after: int) -> None:
         f"    jobs = [{job!r}, {job!r} + ' ']\n"
         "    for _ in results(exec, jobs, place('processes', 2)): pass\n"
     )
-    process = begun("-c", code)
-    try:
+    with begun("-c", code) as process:
         assert process.stdout is not None
         for _ in range(after):
             process.stdout.readline()
@@ -134,11 +84,9 @@ def test_jobs_that_never_end_do_not_outlive_who_wanted_them(after: int) -> None:
         if after:
             assert [pid for pid in group_of(process) if hears_interrupts(pid)] == [process.pid]
         ended, said = interrupted(process)
-    finally:
-        if group_of(process):
-            os.killpg(process.pid, signal.SIGKILL)
     assert ended == -signal.SIGINT
-    assert said.count("Traceback") == 1, "the script's own; its processes say nothing"
+    own = [line for line in said if line.startswith("Traceback")]
+    assert len(own) == 1, "the script's own; its processes say nothing"
 
 
 def test_a_soak_tells_what_it_found_until_it_was_interrupted(

@@ -329,6 +329,38 @@ def test_nobody_leaves_what_was_deep_in_the_last_report_that_came(led: bool, sil
         assert world.engine.settled
 
 
+@pytest.mark.parametrize(("last", "leaves"), [(1.8, False), (0.6, False), (0.4, True)])
+def test_nobody_leaves_what_was_under_water_in_the_last_report_and_was_led_down(
+    last: float, leaves: bool
+):
+    """As flight 16618 of seed 11732: its cable was pulled at 1.8 m, its board went on to 4 m, and
+    an X was acknowledged before the first report that came again."""
+    world = flying_at(last)
+    world.wait(7.0, reports=False)
+    world.tell(Ending())
+    world.wait(5.0, reports=False)
+    world.tell(X)
+    world.wait(40.0, reports=False)
+    assert (world.state, world.engine.settled) == (STOPPED, leaves)
+    world.depth = 4.0
+    world.wait(3.0)
+    assert not world.engine.settled
+    world.depth = 1.5
+    world.wait(3.0)
+    assert world.engine.settled
+
+
+@pytest.mark.parametrize("depth", [0.6, 1.9])
+def test_what_rested_in_idle_and_is_not_heard_delays_no_end(depth: float):
+    """A zero that is off, in a tank, and the board switched off."""
+    world = World()
+    world.depth = depth
+    world.wait(5.0)
+    world.wait(10.0, reports=False)
+    world.tell(Ending())
+    assert world.engine.settled
+
+
 @pytest.mark.parametrize("fixes", [True, False])
 def test_what_was_deep_in_the_last_report_and_has_fixes_is_on_deck(fixes: bool):
     """Hauled in after an X, its board without power: the Pi's own receiver tells."""

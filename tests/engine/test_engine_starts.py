@@ -218,6 +218,18 @@ def test_a_vehicle_that_was_heard_five_seconds_ago_may_start_and_later_not():
         assert (refusal(world, StartMission()) == "") is may
 
 
+@pytest.mark.parametrize(("down", "may"), [(1.0, False), (0.5, False), (0.49, True), (-1.0, True)])
+def test_no_mission_starts_while_reports_say_that_the_verticals_push_down(down: float, may: bool):
+    """As flight 14613 of seed 11631: a board dived by itself, and a wave over its 1.4 m made the
+    last depth 0.2 m."""
+    world = World(MISSION)
+    world.stops = False  # its board does not obey
+    world.actuators = (0.0, 0.0, -down, -down, -down)
+    world.tell(world.report(), world.fix())
+    why = refusal(world, StartMission())
+    assert why == ("" if may else "the verticals push it down: a mission starts at the surface")
+
+
 def test_a_vehicle_without_a_depth_of_its_own_needs_none_to_start():
     bare = replace(VEHICLE, reports=VEHICLE.reports - {"depth"})
     body = mission(leg("a", settings=sets(surge=0.5, heading=0.0)))

@@ -256,6 +256,38 @@ def test_an_altimeter_that_hears_itself_all_the_way_down_explains_no_depth_that_
     assert dive.go(20.0, DOWN, at(clogs_at), at(0.6)).startswith("contradicted: the verticals")
 
 
+@pytest.mark.parametrize("heard", [10.0, 25.0])
+@pytest.mark.parametrize("rings_at", [0.3, 0.98])
+def test_ground_that_comes_near_faster_than_a_vehicle_sinks_explains_no_depth_that_stands(
+    heard: float, rings_at: float
+):
+    """As flight 13397 of seed 11833: its port clogged, and seconds later its altimeter, 25 m above
+    the ground, heard its own pulse. It was 30 m deep, where 20 m were allowed."""
+    dive = Dive(noise=0.03)
+    dive.mains = 0.4
+    dive.go(10.0, DOWN, sinking(0.33), lambda s: heard + 3.3 - 0.33 * s)
+    dive.go(6.0, DOWN, at(3.4), lambda s: heard - 0.33 * s)
+    reason = dive.go(20.0, DOWN, at(3.4), lambda s: rings_at + dive.rng.gauss(0.0, 0.05))
+    assert reason.startswith("contradicted: the verticals push down")
+
+
+def test_a_step_of_the_ground_and_ground_that_was_last_heard_long_ago_are_ground():
+    dive = Dive(noise=0.03)
+    dive.go(10.0, DOWN, sinking(0.33), lambda s: 8.0 - 0.33 * s)
+    assert dive.go(120.0, DOWN, at(3.4), near(dive)) == ""
+    dive = Dive(noise=0.03)
+    dive.go(20.0, DOWN, sinking(0.4), lambda s: 20.0 if s < 1.0 else None)
+    assert dive.go(120.0, DOWN, at(8.0), near(dive)) == ""
+
+
+def test_an_altimeter_that_has_heard_itself_is_believed_once_it_hears_far_ground():
+    dive = Dive(noise=0.03)
+    dive.go(10.0, REST, at(0.2), at(20.0), fixes=True)
+    dive.go(10.0, REST, at(0.2), at(0.5), fixes=True)
+    dive.go(40.0, DOWN, sinking(0.5), lambda s: max(0.3, 20.0 - 0.5 * s))
+    assert dive.go(120.0, DOWN, at(20.0), near(dive)) == ""
+
+
 @pytest.mark.parametrize("seed", range(4))
 def test_to_crawl_along_a_slope_is_natural_where_the_altimeter_says_that_there_is_ground(seed):
     dive = Dive(seed, 0.05)
@@ -291,6 +323,18 @@ def test_no_echo_is_the_ground_where_it_says_it_is_at_the_surface_and_fixes_have
     dive = Dive(noise=0.03)
     dive.go(20.0, REST, at(0.2), at(0.6), fixes=True)
     assert dive.go(24.0, DOWN, at(0.2), at(0.6)).startswith("contradicted: the verticals push down")
+
+
+@pytest.mark.parametrize("heard", [0.55, None])
+def test_ground_that_an_altimeter_makes_up_keeps_no_depth_that_moves_from_belief(heard):
+    """As flight 667 of seed 12237: contradicted at the surface by dead verticals, its altimeter
+    ringing, a board that dives by itself took it down. Ground explains only a depth that stands."""
+    dive = Dive(noise=0.03)
+    assert dive.go(20.0, DOWN, at(0.2), fixes=True)
+    assert dive.go(60.0, REST, at(0.2), at(heard), fixes=True)
+    pushed = Vertical(1.0, None)
+    assert dive.go(4.0, pushed, at(0.2), at(heard))
+    assert dive.go(8.0, pushed, sinking(0.45), at(heard)) == ""
 
 
 @pytest.mark.parametrize("push", [DOWN, UP])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import json
+import math
 import os
 import platform
 import re
@@ -16,6 +17,7 @@ from typing import Any
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from clusters import same_program
 from known_missions import KNOWN as SHIPPED
 from labour import Job, do
 from served import soon
@@ -27,7 +29,6 @@ from mission.verification.workers.code import code, difference
 from mission.verification.workers.kept import Unusable, keeping
 from mission.verification.workers.outcome import Lost, had
 from mission.verification.workers.places import Place, place
-from mission.verification.workers.progress import with_progress
 
 TWO = place("processes", 2)
 LOCAL = place("local")
@@ -77,6 +78,12 @@ def test_a_job_that_kills_its_processes_is_told_by_its_name(workers: int) -> Non
 
 
 @pytest.mark.proof
+def test_a_process_that_a_signal_without_a_name_kills_is_told_by_its_number() -> None:
+    lost = among_squares(("dies_of", 40))
+    assert lost == Lost("('dies_of', 40)", "killed by signal 40, then killed by signal 40")
+
+
+@pytest.mark.proof
 def test_a_job_that_hangs_is_tried_again_and_then_told(tmp_path: Path) -> None:
     at = place("processes", 2, patience=1.0)
     assert among_squares(("hangs_once", tmp_path), at) == "answered"
@@ -107,6 +114,44 @@ def test_a_job_that_raises_is_told_at_once_and_can_be_raised(at: Place, tmp_path
 @pytest.mark.proof
 def test_a_result_that_cannot_be_sent_is_told() -> None:
     assert "cannot be sent" in among_squares(("sends_what_cannot_be_sent", 0)).why
+
+
+@pytest.mark.proof
+def test_a_result_that_cannot_be_read_back_is_told() -> None:
+    """What reads it runs code of the result's own, here in the process of whoever wants it."""
+    why = among_squares(("sends_what_cannot_be_read", 0)).why
+    assert why == ("raised ValueError: the result cannot be read: LookupError: no such thing here")
+
+
+CHANGED = """import sys
+from pathlib import Path
+from clusters import heavier
+from labour import do
+from mission.verification.workers import working
+from mission.verification.workers.places import place
+if __name__ == "__main__":
+    tree, tries = map(Path, sys.argv[1:])
+    with working(do, place("processes", 1)) as batch:
+        print(list(batch([("square", 1)])), flush=True)
+        heavier(tree)
+        print(list(batch([("square", 2)])), flush=True)
+        print(list(batch([("dies_once", tries)])), flush=True)
+"""
+
+
+@pytest.mark.proof
+def test_a_process_that_begins_with_another_program_does_no_job(tmp_path: Path) -> None:
+    """The sources change while the first process lives; the one in its place would read them."""
+    tree, tries = same_program(tmp_path / "tree"), tmp_path / "tries"
+    tries.mkdir()
+    path = os.pathsep.join([str(tree), *(p for p in sys.path if p.endswith("worlds"))])
+    ran = subprocess.run(
+        [sys.executable, "-c", CHANGED, str(tree), str(tries)],
+        env={**os.environ, "PYTHONPATH": path}, cwd=tmp_path, capture_output=True, text=True,
+    )  # fmt: skip
+    assert ran.stdout.splitlines() == [str([do(("square", n))]) for n in (1, 2)]
+    assert re.search(r"Unreachable: the program was changed on the disk.*sources", ran.stderr)
+    assert len(list(tries.iterdir())) == 1
 
 
 def test_two_jobs_of_one_name_are_refused() -> None:
@@ -208,6 +253,79 @@ def test_a_file_of_something_else_is_refused_and_left_alone(content: str, tmp_pa
     assert file.read_text() == content
 
 
+@pytest.mark.parametrize("row", ["3", "[]", "{}", '{"flight": 1}', '{"violations": 2}', "null"])
+def test_a_file_with_a_row_of_another_shape_is_refused_before_any_job(
+    row: str, tmp_path: Path
+) -> None:
+    file = tmp_path / "kept.jsonl"
+    with keeping(file, ASKED, FlightResult) as kept:
+        kept.add("0", fly_numbered(9, 0, KNOWN))
+    with file.open("a") as more:
+        more.write(f'{{"job": "1", "result": {row}}}\n')
+    before = file.read_bytes()
+    with (
+        pytest.raises(Unusable, match=f"{file} is no file of results"),
+        keeping(file, ASKED, FlightResult),
+    ):
+        pass
+    assert file.read_bytes() == before
+
+
+def test_a_file_that_another_command_writes_to_is_refused_and_left_alone(tmp_path: Path) -> None:
+    file = tmp_path / "kept.jsonl"
+    with keeping(file, ASKED, float) as kept:
+        kept.add("a", 0.5)
+        with file.open("ab") as other:
+            other.write(b'{"job": "half')  # of a line that the other command is just writing
+        there = file.read_bytes()
+        with pytest.raises(Unusable, match=f"{file} is used by another command"):
+            kept_squares(file, SQUARES)
+        assert file.read_bytes() == there
+    assert kept_squares(file, SQUARES) == [do(square) for square in SQUARES]
+
+
+@pytest.mark.parametrize("pause", [0.0, math.inf])
+def test_results_are_on_the_disk_after_a_pause_and_at_the_end(
+    pause: float, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    file, sizes = tmp_path / "kept.jsonl", [0]
+    monkeypatch.setattr("os.fsync", lambda fd: sizes.append(os.fstat(fd).st_size))
+    monkeypatch.setattr("mission.verification.workers.kept.SYNC", pause)
+    with keeping(file, ASKED, float) as kept:
+        for job in "abc":
+            kept.add(job, 0.5)
+            assert pause or sizes[-1] == file.stat().st_size
+    assert sizes[-1] == file.stat().st_size > 0
+
+
+FULL = """import resource, runpy, sys
+resource.setrlimit(resource.RLIMIT_FSIZE, (int(sys.argv.pop(1)), resource.RLIM_INFINITY))
+runpy.run_module("mission", run_name="__main__", alter_sys=True)
+"""
+
+
+@pytest.mark.proof
+def test_a_disk_that_is_full_ends_a_command_and_costs_only_what_was_not_kept(
+    tmp_path: Path,
+) -> None:
+    file = tmp_path / "kept.jsonl"
+    call = ["faults", "--flights", "4", "--seed", "4", "--on", "local", "--resume", str(file)]
+    with keeping(file, {}, FlightResult) as kept:
+        kept.add("0", fly_numbered(4, 0, KNOWN))
+    room = file.stat().st_size + 100  # the head and one flight or two
+    file.unlink()
+    ran = subprocess.run(
+        [sys.executable, "-c", FULL, str(room), *call], capture_output=True, text=True
+    )
+    last = ran.stderr.splitlines()[-1]
+    assert (ran.returncode, last) == (2, f"Error: {file}: cannot be written: File too large")
+    kept_then = file.read_bytes().count(b"\n")
+    assert 1 < kept_then < 5
+    again = CliRunner().invoke(main, call)
+    anew = CliRunner().invoke(main, call[:-2])
+    assert (again.exit_code, again.stdout) == (anew.exit_code, anew.stdout)
+
+
 @pytest.mark.parametrize("file", ["nodir/kept.jsonl", "/proc/kept.jsonl", "."])
 def test_a_file_that_cannot_be_written_is_refused_before_any_job(
     file: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
@@ -264,10 +382,3 @@ def test_programs_differ_by_how_their_processor_multiplies_matrices() -> None:
 def test_a_place_that_is_none_is_refused(on: str) -> None:
     with pytest.raises(ValueError, match=r"place|HOST:PORT"):
         place(on)
-
-
-def test_progress_tells_rate_and_time_left() -> None:
-    told: list[str] = []
-    assert list(with_progress(range(5), 5, "flights", told.append)) == [*range(5)]
-    assert [line.split(",")[0] for line in told] == ["5 of 5 flights"]
-    assert "a second, 0 s left" in told[-1]

@@ -30,6 +30,12 @@ def sources(_: int) -> str:
     return code()["sources"]
 
 
+def process(_: int) -> int:
+    """The one that does it."""
+    time.sleep(0.02)
+    return os.getpid()
+
+
 def dies(_: object) -> None:
     os.kill(os.getpid(), signal.SIGKILL)
 
@@ -38,6 +44,10 @@ def dies_later(_: object) -> None:
     """When others wait for its worker."""
     time.sleep(0.3)
     dies(_)
+
+
+def dies_of(number: int) -> None:
+    os.kill(os.getpid(), number)
 
 
 def hangs(_: object) -> None:
@@ -55,6 +65,13 @@ def eats_too_much(folder: Path) -> None:
     raise MemoryError
 
 
+def outgrows(_: object) -> int:
+    """The limit of its worker, but not the memory of this machine; then it waits for its end."""
+    full = bytearray(b"x") * (600 << 20)
+    time.sleep(1e6)
+    return len(full)
+
+
 def fails(folder: Path) -> None:
     noted(folder)
     raise KeyError("no such leg")
@@ -64,8 +81,35 @@ def sends_what_cannot_be_sent(_: object) -> object:
     return lambda: None
 
 
+class Unreadable:
+    """Whoever reads it back fails."""
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _cannot_be_read, ()
+
+
+def _cannot_be_read() -> None:
+    raise LookupError("no such thing here")
+
+
+def sends_what_cannot_be_read(_: object) -> object:
+    return Unreadable()
+
+
+def waits_for(file: Path) -> bool:
+    while not file.exists():
+        time.sleep(0.01)
+    return True
+
+
 def dies_once(folder: Path) -> str:
     return "lived" if noted(folder) > 1 else str(dies(folder))
+
+
+def stops_once(folder: Path) -> str:
+    if noted(folder) == 1:
+        os.kill(os.getpid(), signal.SIGSTOP)
+    return "lived"
 
 
 def hangs_once(folder: Path) -> str:
@@ -76,6 +120,12 @@ def noted(folder: Path) -> int:
     """How often it was tried, this time included."""
     (folder / f"{time.time_ns()}.{os.getpid()}").touch()
     return len(list(folder.iterdir()))
+
+
+def lives(folder: Path) -> bool:
+    """Whether the process that has tried it there does."""
+    (note,) = folder.iterdir()
+    return Path("/proc", note.suffix[1:]).exists()
 
 
 def tells_its_process(folder: Path) -> int:

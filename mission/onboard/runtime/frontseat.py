@@ -160,8 +160,8 @@ class Frontseat:
             if self._order != before_it:  # relays behind it may leave while it is repeated
                 self._relays.clear()
             self._give_up()
-            same = [f for f in self._urgent if f.reason == action.reason]  # of the same decision
-            self._urgent = deque([*same, *frames])
+            same = (f for f in self._urgent if f.reason == action.reason)  # of the same decision
+            self._urgent = deque([*(f for f in same if f.command != action.command), *frames])
         else:
             self._queue.extend(frames)
         return None

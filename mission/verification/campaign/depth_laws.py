@@ -57,6 +57,7 @@ _AFLOAT = 0.5  # m
 _SHALLOW = 1.5  # m: so near the surface no way need be tried
 _NOT_LIFTED = 70.0  # s: a round, and 10 s more
 _UPRIGHT, _OVERTURNED = math.radians(60.0), math.radians(130.0)
+_MAY_BE_OVER = math.radians(117.0)  # roll or pitch: 120 degrees (R7), less noise of the attitude
 _MOSTLY = 0.9  # share of the seconds
 _KNOWN_OVER = 12.0  # s of reports until a roll-over is known
 _TRIED, _LED = 9.0, 2.0  # s of a turn, m: R7's metre, two errors of the sensor, an old report
@@ -184,11 +185,11 @@ def _missing(story: Story, begin: float, end: float) -> list[str]:
 
 
 def _upright_for_a_round(story: Story, begin: float, end: float) -> bool:
-    """Whether the vehicle was not upside down within the last round before ``end``.
+    """Whether no report of the last round before ``end`` can have shown the vehicle upside down.
 
     Upside down, a push that led deeper is not tried again; upright, each way has its turn again.
     """
-    lay = [t for i in range(int(end - begin)) if story.tilt(t := begin + i) > _OVERTURNED]
+    lay = [t for i in range(int(end - begin)) if story.heel(t := begin + i) > _MAY_BE_OVER]
     return not lay or end - lay[-1] >= _ROUND
 
 

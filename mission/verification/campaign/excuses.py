@@ -9,6 +9,7 @@
     doubted    whether the depth at rest is unknown, or may stay contradicted
     lied       m by which wrong values of added sensors lead the estimate astray, uncontradicted
     left       the times in which nothing at rest may turn by itself: node AUTO is closed (R7, R13)
+    unpowered  the times in which an operator has switched the receiver off (@RS)
 
 All of these follow from the plant, the disturbances and the acknowledgements, never from what the
 program believed.
@@ -19,6 +20,7 @@ What does not live here: the laws that it excuses (laws, depth_laws).
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterator, Sequence
 
 from links.simulated.added import SENSORS
@@ -52,6 +54,7 @@ _NEWS = 20.0  # s within which a receiver must report a new place (R7)
 _TURNED = 110.0  # deg of error that read as upside down: 120 (R7), less the true roll
 _ROLLS = math.radians(8.0)  # rad: thrust adds it to a roll that a weight holds
 _TICK = 0.1  # s: a fault begins at the next tick, a command counts when it is whole
+_RECEIVER = re.compile(rb"@RS[OC]{2}([OC])[OC]{4}\$")
 _CURES = {"dives_until_stop": b"@ZAX0$"}
 
 
@@ -279,6 +282,22 @@ def auto_closed(events: Sequence[Event]) -> Iterator[tuple[float, float]]:
             since = None
     if since is not None:
         yield since, math.inf
+
+
+def unpowered(events: Sequence[Event]) -> list[tuple[float, float]]:
+    """Return the times in which an operator's @RS at the vehicle keeps the receiver off."""
+    times: list[tuple[float, float]] = []
+    since: float | None = None
+    for event in events:
+        found = _RECEIVER.search(event.data) if isinstance(event, Tx) else None
+        if found is None or not isinstance(event, Tx) or event.link != VEHICLE:
+            continue
+        if found[1] == b"C":
+            since = event.t if since is None else since
+        elif since is not None:
+            times.append((since, event.t))
+            since = None
+    return times if since is None else [*times, (since, math.inf)]
 
 
 def beside(settings: Settings) -> float:

@@ -26,7 +26,8 @@ operator's limits (an acknowledged @SP). The laws explain:
                            that is stuck within half a metre of the setpoint leads down with
                            0.25 m/s unseen
     radius  the bound, and 8 s of way (two samples, their age, the limit's own step), and the error
-            of dead reckoning since the last fix: 15 m, the current's way, a quarter of the way
+            of dead reckoning since the last fix (a receiver that an operator has
+            switched off gives none): 15 m, the current's way, a quarter of the way
             through the water (or twice the whole way, if the compass or a main thruster was not
             healthy); the error of the GPS, and that of wrong added sensors (excuses)
     time    the bound, and 1 s, in the mission's legs; time under the stick counts
@@ -58,6 +59,7 @@ from mission.verification.campaign.excuses import (
     overturns,
     spoils_a_turn,
     unknown_and_heavy,
+    unpowered,
     untamed,
 )
 from mission.verification.campaign.home import WHOLE_ROUND, lost
@@ -299,6 +301,7 @@ def _ranges(
     beside += lied(settings, trial.truth.t)
     closed = any(isinstance(e, Said) and _GPS_CLOSED.search(e.data) for e in trial.events)
     blind = closed or any(f.name.startswith("gps_") for f in settings.faults)
+    off = unpowered(trial.events)
     stalled = sum(end - begin for begin, end in stalls(trial.events))
     share = 2.0 if astray else SHARE
     unknown = shallow = 0.0
@@ -306,7 +309,8 @@ def _ranges(
     span = next(flown, None)
     for place in trial.track:
         speed, current = abs(place.speed), math.hypot(*place.current)
-        shallow = shallow + 1.0 if place.depth <= FIX_DEPTH else 0.0
+        silent = place.depth > FIX_DEPTH or any(begin <= place.t <= end for begin, end in off)
+        shallow = 0.0 if silent else shallow + 1.0
         unknown += current + share * speed
         if shallow > FIX_TIME and not blind:
             unknown = 0.0

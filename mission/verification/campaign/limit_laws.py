@@ -46,7 +46,7 @@ _BATTERY = {  # V below the bound, s until it is known: 10 and three reports; or
 _AGAIN = 8.0  # s until a battery is believed again: three reports in range
 _WET, _MUTE = 5.0, ("stm32_silent", "bytes_corrupted")  # s: three reports, and the time of one
 _ANSWERED = 1.0  # s
-ANSWER, _STOP = re.compile(rb"@ACK_Z"), b"@ZAX0$"
+ANSWER, _STOP, _SURFACE = re.compile(rb"@ACK_Z"), b"@ZAX0$", b"@ZAWF$"
 _AFLOAT = 1.0  # m
 
 
@@ -170,7 +170,10 @@ def _unanswered(story: Story, begin: float, end: float) -> Iterator[Violation]:
 
 
 def _one_unanswered(story: Story, begin: float, end: float) -> Iterator[Violation]:
-    """One command of the sets stays unanswered, though the others are answered."""
+    """One command of the sets stays unanswered, though the others are answered.
+
+    W belongs to no set: the ascent that sends it also tries its other ways (R7).
+    """
     if story.board is not None:
         return
     answers = [h.t for h in story.heard if ANSWER.search(h.data)]
@@ -182,7 +185,7 @@ def _one_unanswered(story: Story, begin: float, end: float) -> Iterator[Violatio
         first = bisect.bisect_right(answers, word.t)
         if first < len(answers) and answers[first] <= due:
             lost.pop(word.data[:4], None)
-        elif word.reason.endswith(_LAST) and _asks(story, word):
+        elif word.reason.endswith(_LAST) and word.data != _SURFACE and _asks(story, word):
             before = lost.get(word.data[:4], [])
             near = before and word.t - before[-1] <= _APART
             lost[word.data[:4]] = [*(before if near else []), word.t]

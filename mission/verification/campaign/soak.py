@@ -15,6 +15,7 @@ import gc
 import resource
 import sys
 import tempfile
+import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -31,6 +32,8 @@ from mission.verification.campaign.trial import try_out
 from mission.verification.rig.acts import Act, Disturbance
 from mission.verification.rig.program import FillableStore, Program
 from mission.verification.rig.trace import Event
+from mission.verification.workers.progress import pace
+from mission.verification.workers.telling import tell
 
 DAY = 86400.0
 PART = 4 << 20  # bytes of one part of the black box
@@ -40,6 +43,7 @@ _CLEAN = (b"@NSOOOCCO$", b"@SP,2000,240,100,10,$", b"@AC$")
 RECENT = 5.0  # s: bytes of a flight may come from the last seconds of the one before
 FLAT = 0.02  # share by which the live objects may differ between missions
 FLAT_RESIDENT = 0.05  # the same of the process: its allocator gives little back
+EVERY = 10.0  # s between two lines of progress, at least
 SETTLED = 5  # missions, at least, until everything that is kept once exists
 _STATM = Path("/proc/self/statm")
 
@@ -134,12 +138,43 @@ def soak(
     return soaked
 
 
+class Telling:
+    """Tells missions that break a law at once (``story``), and every EVERY s how far the soak is
+    (``progress``)."""
+
+    def __init__(
+        self,
+        days: float,
+        seed: int,
+        vehicle: str,
+        story: Callable[[str], None],
+        progress: Callable[[str], None],
+    ) -> None:
+        self._days, self._seed, self._vehicle = days, seed, vehicle
+        self._story, self._progress = story, progress
+        self._begun = self._told = time.monotonic()
+
+    def __call__(self, soaked: Soaked, result: FlightResult) -> None:
+        for line in story(soaked, result, self._seed, self._vehicle):
+            self._story(line)
+        now = time.monotonic()
+        if now - self._told >= EVERY:
+            self._told = now
+            left = max(self._days - soaked.days, 0.0)
+            done = f"seed {self._seed}: {soaked.days:.2f} of {self._days:g} days"
+            how = f"{soaked.missions} missions, {soaked.totals.broken} broken"
+            rate = pace(soaked.days, left, now - self._begun)
+            self._progress(f"{done}, {rate}, {how}, growth {soaked.growth}")
+
+
 def soak_alone(days: float, subjects: Sequence[Subject], vehicle: Vehicle, seed: int) -> Summary:
     """Run one of several soaks, in any process."""
     stories: list[str] = []
+    telling = Telling(days, seed, vehicle.name, tell, tell)
 
     def told(soaked: Soaked, result: FlightResult) -> None:
         stories.extend(story(soaked, result, seed, vehicle.name))
+        telling(soaked, result)
 
     with tempfile.TemporaryDirectory(prefix="soak-") as folder:
         soaked = soak(days, seed, subjects, vehicle, Path(folder), told)
@@ -154,8 +189,12 @@ def story(soaked: Soaked, result: FlightResult, seed: int, vehicle: str) -> Iter
         yield f"mission {result.number}: {result.words}"
         for v in result.violations:
             yield f"  {v.kind} at {v.t:.1f} s: {v.says}"
-        of = "" if vehicle == "auv" else f" --vehicle {vehicle}"
+        of = with_vehicle(vehicle)
         yield f"  again: auvmission faults{of} --seed {seed} --soak {soaked.days:.2f}"
+
+
+def with_vehicle(name: str) -> str:
+    return "" if name == "auv" else f" --vehicle {name}"
 
 
 def _fly_on(

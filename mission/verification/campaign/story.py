@@ -193,6 +193,11 @@ class Story:
         place = self.trial.track[min(int(t), len(self.trial.track) - 1)]
         return math.acos(math.cos(place.roll) * math.cos(place.pitch))
 
+    def heel(self, t: float) -> float:
+        """Return the greater of roll and pitch, rad, by which R7 calls a vehicle upside down."""
+        place = self.trial.track[min(int(t), len(self.trial.track) - 1)]
+        return max(math.acos(math.cos(place.roll)), math.acos(math.cos(place.pitch)))
+
     def told_in(self, begin: float, end: float) -> Sequence[Told]:
         """Return the reports after ``begin`` and before ``end``."""
         low, high = (

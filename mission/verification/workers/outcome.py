@@ -30,7 +30,7 @@ class Lost:
 
 @dataclass(frozen=True, slots=True)
 class Raised:
-    """What a job raised, in a form that every process can read."""
+    """What a job raised, or what prevents its result from being sent or read."""
 
     error: Exception
 
@@ -58,6 +58,28 @@ def tried(work: Callable[[_J], Any], job: _J) -> Any:
         raise
     except Exception as error:  # a job that fails does not end the others
         return Raised(_portable(error))
+
+
+def answer(work: Callable[[_J], Any], job: _J) -> bytes:
+    """Do a job in another process than the caller's: return its result or Raised, for ``read``."""
+    found = tried(work, job)
+    try:
+        return pickle.dumps(found)
+    except MemoryError:
+        raise
+    except Exception as error:
+        return pickle.dumps(Raised(ValueError(f"the result cannot be sent: {error}")))
+
+
+def read(name: str, answered: bytes) -> Any | Lost:
+    """Return what ``answer`` has found for the job of this name. Reading it runs code of the
+    result's own, which may fail in this process alone."""
+    try:
+        found = pickle.loads(answered)
+    except Exception as error:
+        words = f"the result cannot be read: {type(error).__name__}: {error}"
+        return Raised(ValueError(words)).lost(name)
+    return found.lost(name) if isinstance(found, Raised) else found
 
 
 def _portable(error: Exception) -> Exception:

@@ -3,6 +3,10 @@
 Each process has its own pipe and one job at a time. So the job of a process that is killed, hangs
 or runs out of memory is known, and no other process shares a lock with it. The job is retried once
 in another process. The processes end with their parent, however that ends.
+
+A process reads the program from the disk when it begins, and a lost one is replaced. So each first
+reports its program before it receives a job, and one that runs another program than the caller
+ends the work.
 """
 
 from __future__ import annotations
@@ -14,14 +18,15 @@ import signal
 import threading
 import time
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from multiprocessing import resource_tracker
 from multiprocessing.connection import Connection, wait
 from typing import Any, Generic, TypeVar
 
-from mission.verification.workers.outcome import RETRIES, Lost, Raised, Run, tried
+from mission.verification.workers.code import code, difference
+from mission.verification.workers.outcome import RETRIES, Lost, Run, Unreachable, answer, read
 
 OUT_OF_MEMORY = 77  # exit code of a process that runs out of memory
 BEGINNING = 300.0  # s until a process must have started
@@ -29,11 +34,6 @@ LAST_WORD = 5.0  # s until a process whose pipe has ended must have an exit code
 _SPAWN = multiprocessing.get_context("spawn")
 _J = TypeVar("_J")
 _R = TypeVar("_R")
-
-
-@dataclass(frozen=True, slots=True)
-class _Begun:
-    """The first message of a process, once it has imported what it needs."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,7 +45,9 @@ class _Attempt(Generic[_J]):
 
 @contextmanager
 def in_processes(work: Callable[[_J], _R], count: int, patience: float) -> Iterator[Run[_J, _R]]:
-    """Work in ``count`` processes. ``patience``: s that a job may take."""
+    """Work in ``count`` processes. ``patience``: s that a job may take. Raises Unreachable if the
+    program on the disk is another one now."""
+    code()  # before a process begins: later the disk may have another program
     crew = _Crew(work, count, patience)
     try:
         yield crew.run
@@ -143,26 +145,35 @@ class _Worker(Generic[_J]):
             process.start()
 
     def give(self, attempt: _Attempt[_J]) -> None:
+        """Send the job; to a process that has not reported its program yet, once it has."""
         self.attempt, self.busy = attempt, True
-        self.until = time.monotonic() + (self._patience if self._begun else BEGINNING)
+        if self._begun:
+            self._send()
+        else:
+            self.until = time.monotonic() + BEGINNING
+
+    def _send(self) -> None:
+        self.until = time.monotonic() + self._patience
         with suppress(OSError):  # it has died meanwhile, which its pipe will show
-            self.connection.send(attempt.job)
+            self.connection.send(self.attempt.job)
 
     def take(self) -> tuple[Any, str]:
         """Return the result or Lost, and ""; or None, and how the process ended. None and "" of a
-        worker that is still busy: the process has just started, and begins its job now."""
+        worker that is still busy: the process has just started, and receives its job now."""
         if not self.connection.poll():
             self.kill()
             return None, "hung"
         try:
-            found = self.connection.recv()
+            received = self.connection.recv_bytes()
         except (EOFError, OSError):
             return None, self._last_word()
-        if isinstance(found, _Begun):
-            self._begun, self.until = True, time.monotonic() + self._patience
+        if not self._begun:
+            _refuse_other_program(pickle.loads(received))
+            self._begun = True
+            self._send()
             return None, ""
         self.busy = False
-        return found.lost(self.attempt.name) if isinstance(found, Raised) else found, ""
+        return read(self.attempt.name, received), ""
 
     def kill(self) -> None:
         if self._process is not None and self._process.pid is not None:
@@ -173,32 +184,38 @@ class _Worker(Generic[_J]):
     def _last_word(self) -> str:
         assert self._process is not None
         self._process.join(LAST_WORD)
-        code = self._process.exitcode
+        status = self._process.exitcode
         self.kill()
-        if code is not None and code < 0:
-            return f"killed by {signal.Signals(-code).name}"
-        return "out of memory" if code == OUT_OF_MEMORY else f"ended with exit code {code}"
+        if status is not None and status < 0:
+            return f"killed by {_signal_name(-status)}"
+        return "out of memory" if status == OUT_OF_MEMORY else f"ended with exit code {status}"
+
+
+def _refuse_other_program(theirs: Mapping[str, str]) -> None:
+    if differs := difference(theirs, code()):
+        raise Unreachable(f"the program was changed on the disk meanwhile ({differs})")
+
+
+def _signal_name(number: int) -> str:
+    try:
+        return signal.Signals(number).name
+    except ValueError:  # most of the real-time signals have no name
+        return f"signal {number}"
 
 
 def _serve(connection: Connection, work: Callable[[Any], Any]) -> None:
-    """Run in the process: receive a job, send its outcome, until the pipe is closed."""
+    """Run in the process: report the program, then receive a job and send its outcome, until the
+    pipe is closed."""
     threading.Thread(target=_end_with_parent, daemon=True).start()
     with suppress(EOFError, OSError):
-        connection.send(_Begun())
+        connection.send_bytes(pickle.dumps(dict(code())))
         while True:
             job = connection.recv()
             try:
-                found = tried(work, job)
+                found = answer(work, job)
             except MemoryError:
                 os._exit(OUT_OF_MEMORY)
-            _send(connection, found)
-
-
-def _send(connection: Connection, found: Any) -> None:
-    try:
-        connection.send(found)
-    except (TypeError, AttributeError, pickle.PicklingError) as error:
-        connection.send(Raised(ValueError(f"the result cannot be sent: {error}")))
+            connection.send_bytes(found)
 
 
 def _end_with_parent() -> None:

@@ -17,7 +17,7 @@ from mission.authoring.check import check_mission
 from mission.authoring.compiler.compiler import compile_mission
 from mission.authoring.language import digest, script
 from mission.commands.faults import faults
-from mission.engine import limits, monitor, vehicle_state
+from mission.engine import limits, monitor, thrust, vehicle_state
 from mission.engine.core import Core
 from mission.engine.limits import LIMITS
 from mission.engine.vehicle_state import VehicleState
@@ -424,7 +424,7 @@ def test_a_depth_that_drifts_into_the_air_ends_no_ascent(monkeypatch: pytest.Mon
     plan = replace(plan, settings=settings, incidents=(words,))
     assert judged(plan) == set()
     monkeypatch.setattr(vehicle_state, "_STILL_RISES", math.inf)
-    monkeypatch.setattr(vehicle_state, "_PUSHED_DOWN", math.inf)
+    monkeypatch.setattr(thrust, "_DIVES", math.inf)
     assert judged(plan) == set()
     monkeypatch.setattr(vehicle_state, "IN_AIR", -math.inf)
     assert any("told to end" in says for _, says in judged(plan))

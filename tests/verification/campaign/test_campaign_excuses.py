@@ -33,6 +33,7 @@ from mission.verification.campaign.excuses import (
     spoils_a_turn,
     unknown,
     unknown_and_heavy,
+    unpowered,
     untamed,
 )
 from mission.verification.campaign.faults import shipped, subjects
@@ -384,3 +385,15 @@ def test_what_sank_with_auto_closed_stays_after_a_restart_where_fixes_said_that_
     deep = replace(trial, truth=trial.truth._replace(depth=30.0))
     assert bool(lost(deep, "documented", sea)) is not excused
     assert lost(replace(deep, state=SURFACED), "documented", sea)
+
+
+def test_a_receiver_is_off_from_the_switch_at_the_vehicle_until_it_is_switched_on_again() -> None:
+    """@RS of operators: the third of its letters is the receiver's."""
+
+    def sent(t: float, letters: bytes, link: str = VEHICLE) -> Tx:
+        return Tx(t, link, b"@RS%b$" % letters, "relay of @RS for topside")
+
+    on, off, others = b"OOOOOOO", b"OOCOOOO", b"OCOOOOC"
+    assert unpowered([sent(10.0, on), sent(20.0, others), sent(30.0, off, "topside")]) == []
+    words = [sent(10.0, off), sent(11.0, off), sent(20.0, others), sent(30.0, off)]
+    assert unpowered(words) == [(10.0, 20.0), (30.0, math.inf)]

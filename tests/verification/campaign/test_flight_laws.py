@@ -5,12 +5,15 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 from types import SimpleNamespace
 
 import pytest
 
+from links.simulated.geodesy import moved
 from links.simulated.settings import FaultEvent, Settings, parse_settings
 from mission.engine import engine
+from mission.engine.bounds import Bounds
 from mission.engine.core import Core
 from mission.engine.restart import begin_again
 from mission.engine.watch import Watch
@@ -19,15 +22,16 @@ from mission.onboard.runtime.operator_server import OperatorServer
 from mission.onboard.runtime.runtime import VEHICLE
 from mission.onboard.runtime.situation import Situation
 from mission.verification.campaign.broken import broken
-from mission.verification.campaign.depth_laws import _misses_its_lift
+from mission.verification.campaign.depth_laws import _misses_its_lift, _missing
 from mission.verification.campaign.draw import Drawn, Plan, stage
 from mission.verification.campaign.faults import fly_plan, result_of, shipped, subjects
+from mission.verification.campaign.laws import Span, _ranges
 from mission.verification.campaign.leg_laws import waits
-from mission.verification.campaign.limit_laws import _BY_REPORT, _by_report
+from mission.verification.campaign.limit_laws import _BY_REPORT, _by_report, _one_unanswered
 from mission.verification.campaign.reports import Report
 from mission.verification.campaign.scene import DOWN, X, repeated, say
 from mission.verification.campaign.status_laws import _is_alone, _is_stuck, _is_told, _is_told_up
-from mission.verification.campaign.story import Stay
+from mission.verification.campaign.story import Stay, Story
 from mission.verification.campaign.surface_laws import (
     _come_round,
     _died_near,
@@ -36,7 +40,7 @@ from mission.verification.campaign.surface_laws import (
 )
 from mission.verification.campaign.word_laws import _allowed
 from mission.verification.rig.acts import MODEM, TOPSIDE, Act, Disturbance
-from mission.verification.rig.trace import Done, Said
+from mission.verification.rig.trace import Done, Heard, Said
 from protocol.messages import Setpoint
 
 pytestmark = pytest.mark.proof  # long: make proofs
@@ -383,6 +387,33 @@ def test_a_board_that_is_busy_with_a_stop_lets_what_is_held_up_sink_until_u12_is
 
 
 @pytest.mark.parametrize(
+    ("roll", "pitch", "missing"),
+    [
+        (115.0, 0.0, ["@ZAU12$"]),
+        (121.0, 0.0, []),  # upside down by R7: U12, which led deeper, is not tried again
+        (-121.0, 0.0, []),
+        (121.0, 40.0, []),  # 113 degrees from upright
+        (129.0, 0.0, []),
+        (140.0, 0.0, ["@ZAD12$"]),
+    ],
+)
+def test_beyond_120_degrees_no_way_is_missed_and_beyond_130_a_push_down_is(
+    roll: float, pitch: float, missing: list[str]
+) -> None:
+    place = SimpleNamespace(roll=math.radians(roll), pitch=math.radians(pitch))
+    words = [Tx(5.0, VEHICLE, b"@ZAWF$", ""), Tx(20.0, VEHICLE, b"@ZAX0$", "")]
+    told = SimpleNamespace(
+        trial=SimpleNamespace(track=(place,)),
+        upward=(b"@ZAWF$", b"@ZAU12$"),
+        words_in=lambda begin, end: [word for word in words if begin <= word.t <= end],
+        told_in=lambda *_: range(10),
+        faulty=lambda *_: False,
+    )
+    told.tilt, told.heel = (partial(each, told) for each in (Story.tilt, Story.heel))
+    assert _missing(told, 0.0, 150.0) == missing  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
     ("state", "closed", "most"),
     [(SURFACED, False, 1.5), (SURFACED, True, 2.5), (STOPPED, False, 2.5)],
 )
@@ -440,3 +471,53 @@ def test_fixes_that_waves_hide_and_show_are_no_fault_of_the_program(
     plan = stage(scene, seed)
     settings = parse_settings(sets, plan.settings)
     assert judged(replace(plan, settings=settings, profile="documented")) == []
+
+
+@pytest.mark.parametrize("letters", ["OOOOOOO", "OOCOOOO"])
+def test_a_receiver_that_an_operator_has_switched_off_tells_no_drift(letters: str) -> None:
+    """As flight 3794 of seed 11328: 917 m from home, where it had drifted for 55 min without a fix;
+    its estimate was 10 m behind. A receiver that is on brings the drift back to that of its fixes.
+    """
+    drifts = []
+    for t in range(400):
+        north, east = moved(0.0, 0.0, 0.3 * t, 0.0)
+        drifts.append(
+            SimpleNamespace(
+                t=float(t),
+                latitude=north,
+                longitude=east,
+                depth=0.2,
+                speed=0.0,
+                current=(0.3, 0.0),
+            )
+        )
+    switched = Tx(10.0, VEHICLE, b"@RS%b$" % letters.encode(), "relay of @RS for topside")
+    trace = SimpleNamespace(events=(switched,), track=drifts, truth=drifts[-1], home=(0.0, 0.0))
+    flown = [Span(0.0, 400.0, "autonomous/up", Bounds(50.0, 900.0, 10.0, 10.0), 0.0)]
+    found = list(_ranges(trace, flown, Settings(), True))  # type: ignore[arg-type]
+    assert bool(found) is (letters == "OOOOOOO")
+
+
+@pytest.mark.parametrize(
+    ("word", "apart", "unanswered"),
+    [(b"@ZAF8$", 50.0, True), (b"@ZAF8$", 61.0, False), (b"@ZAWF$", 50.0, False)],
+)
+def test_a_w_belongs_to_no_set_whose_words_are_counted(
+    word: bytes, apart: float, unanswered: bool
+) -> None:
+    """As flight 5307 of seed 12237: without a depth, an ascent tried its ways each minute."""
+    words, answers = [], []
+    for at in (10.0 + apart * i for i in range(6)):
+        words += [
+            *(Tx(at + 0.3 * i, VEHICLE, word, f"set (try {i + 1} of 3)") for i in range(3)),
+            Tx(at + 10.0, VEHICLE, b"@ZAU12$", "the next way"),
+        ]
+        answers.append(Heard(at + 10.1, b"@ACK_ZAY$"))
+    told = SimpleNamespace(
+        board=None,
+        heard=answers,
+        words_in=lambda begin, end: words,
+        deepest=lambda begin, end: 0.2,
+        hindered=lambda begin, end: False,
+    )
+    assert bool(list(_one_unanswered(told, 0.0, 400.0))) is unanswered  # type: ignore[arg-type]
