@@ -111,7 +111,7 @@ def _one_too_deep(world: World) -> None:
     world.say(encode(SetSafety(depth=max(depth - 0.5, 0.1))))
     world.wait(period)
     world.say(encode(SetSafety(depth=60000.0)))
-    world.wait(2.0)
+    world.wait(2.0 + SETTLE)  # what the last report causes is stored once its commands have left
 
 
 _AT_SURFACE = frozenset({"surface"})
