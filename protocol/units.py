@@ -19,7 +19,8 @@ _BY_SUFFIX = {
     "cdeg": "0.01 deg",
     "mv": "mV",
     "a": "A",
-    "s": "mm/s",
+    "mm_s": "mm/s",
+    "m_s": "m/s",
 }
 _BY_FRAME = {
     "auv.SD.pwm_": "us",
@@ -48,5 +49,6 @@ _BY_FRAME = {
 def unit(frame: str, name: str) -> str:
     """Return the unit; "" for a pure number, a code or a text."""
     by_frame = next((u for key, u in _BY_FRAME.items() if f"{frame}.{name}".startswith(key)), "")
-    suffix = name.rpartition("_")[2]
-    return _BY_SUFFIX.get(suffix, by_frame) if "_" in name else by_frame
+    words = name.split("_")[1:]
+    ends = ("_".join(words[-2:]), *words[-1:])
+    return next((_BY_SUFFIX[end] for end in ends if end in _BY_SUFFIX), by_frame)

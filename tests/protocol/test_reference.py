@@ -98,6 +98,7 @@ def test_every_tolerance_is_listed() -> None:
         ("coreboard.CAN_TORQUE", "mx_nm", "N m"),
         ("coreboard.MAIN_TO_PC", "usbl1", "deg"),
         ("robot.DOWN", "speed_mm_s", "mm/s"),
+        ("gps.nmea.RMC", "speed_m_s", "m/s"),
         ("rov.UP", "rpm_left_up", "r/min"),
         ("coreboard.SENSOR_TO_MAIN", "p", ""),
     ],
