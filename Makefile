@@ -50,20 +50,19 @@ $(BROUGHT): $(PAGE)/package-lock.json
 	npm ci --silent --ignore-scripts --no-audit --no-fund --prefix $(PAGE)
 	@touch $@
 
-bench: $(READY)         ## performance, as ratios within one run
+bench: $(READY)         ## performance of both builds, as ratios within one run; ONLY="hour wire" for those alone
 	$(BIN)/pip install -q -e '.[bench]'
-	$(BIN)/python tests/bench/run.py
-	@test ! -d build/compiled || build/compiled/.venv/bin/python build/compiled/tests/bench/run.py hour wire
+	$(BIN)/python tests/bench/run.py $(ONLY)
 
 growth: $(READY)        ## what grows how: docs/growth.md anew, with its picture; some minutes
 	$(BIN)/python tests/bench/bench_growth.py --write
 
-compiled: $(READY)      ## the same sources by mypyc, in build/compiled; needs a C compiler
+compiled: $(READY)      ## the compiled wheel, installed in build/compiled with its tests; needs a C compiler
 	$(BIN)/python hatch_build.py build/compiled
 	@build/compiled/.venv/bin/auvmission --version
 
-test-compiled: compiled ## the tests on the compiled build; ROOMS="tests/engine tests/links" for those alone
-	cd build/compiled && .venv/bin/python -m pytest -n 4 --dist worksteal $(ROOMS)
+test-compiled: compiled ## the tests on that wheel; ROOMS="tests/engine tests/links" for those alone, ONLY=proof for proofs
+	cd build/compiled && .venv/bin/python -m pytest -n 4 $(if $(ONLY),-m "$(ONLY)" --dist loadgroup,--dist worksteal) $(ROOMS)
 
 score: $(READY)         ## the estimate on recorded trajectories; DATA=folder of CSV files
 	@$(BIN)/auvmission score $(DATA)

@@ -1,10 +1,11 @@
-"""The compiled build: hatchling's hook for a wheel, and a copy of the tree beside the pure one.
+"""The compiled build: hatchling's hook for a wheel, and a tree in which that wheel is installed.
 
     AUVMISSION_COMPILED=1 pip install .        a wheel with compiled modules
-    python hatch_build.py build/compiled       the tree with them, and an environment that runs it
+    python hatch_build.py build/compiled       that wheel installed, with its tests beside it
 
 mypyc translates the modules that ``mission.model.compiled`` lists, and this machine's C compiler
-makes one extension of them all. Without the variable the wheel is pure Python.
+makes one extension of them all. Without the variable, or without a compiler, the wheel is pure
+Python. An editable install is always pure.
 
 mypyc ignores other packages: the result depends on this tree alone, whatever is installed. The
 copy that is compiled is changed before, and restored after; no source needs mypyc. The changes:
@@ -23,18 +24,19 @@ x86-64 in the last bit.
 from __future__ import annotations
 
 import ast
+import hashlib
 import os
 import re
-import runpy
 import shutil
+import subprocess
 import sys
-import sysconfig
 import venv
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import chdir, contextmanager
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 try:
@@ -42,9 +44,12 @@ try:
 except ImportError:  # run as a script
     BuildHookInterface = object
 
-LIST = "mission.model.compiled"
+LIST = Path("mission", "model", "compiled.py")
 WANTED = "AUVMISSION_COMPILED"
+NO_COMPILER = "no C compiler that finds Python.h: the wheel is pure Python"
 PACKAGES = ("mission", "links", "protocol")
+INSTALLED = {name: name for name in PACKAGES} | {"missions": "mission/missions"}  # in a wheel
+MADE_OF = Path("wheel", "made-of")  # in the tree: the digest of the sources of its wheel
 NEEDED = ["mypy>=1.18", "setuptools>=65"]
 CHECKING = ["--config-file=", "--no-site-packages", "--ignore-missing-imports"]
 FLAGS = ["-ffp-contract=off"]
@@ -58,12 +63,32 @@ if TYPE_CHECKING:
     from mypy_extensions import mypyc_attr
 """
 _CONSTANT = re.compile(r"_?[A-Z][A-Z0-9_]*")
-LEFT = {".git", ".venv", ".mypy_cache", ".ruff_cache", ".pytest_cache", "build", "dist", "out"}
+CACHES = {".mypy_cache", ".ruff_cache", ".pytest_cache", ".import_linter_cache"}
+LEFT = {*CACHES, "__pycache__", ".git", ".venv", "build", "dist", "out"}
+
+
+def has_compiler() -> bool:
+    """Whether this machine's C compiler can build a Python extension."""
+    from setuptools import Distribution, Extension
+    from setuptools.command.build_ext import build_ext
+    from setuptools.errors import CompileError, LinkError, PlatformError
+
+    with TemporaryDirectory() as folder:
+        source = Path(folder) / "tried.c"
+        source.write_text("#include <Python.h>\n")
+        command: Any = build_ext(Distribution({"ext_modules": [Extension("tried", [str(source)])]}))
+        command.build_lib = command.build_temp = folder
+        command.ensure_finalized()
+        try:
+            command.run()
+        except (CompileError, LinkError, PlatformError):
+            return False
+    return True
 
 
 def compile_in(folder: Path) -> list[Path]:
     """Compile the tree in ``folder`` in place and return its extensions, relative to it. The one
-    with the code of all is at its top. Raises setuptools' CompileError without a compiler."""
+    with the code of all is at its top."""
     from setuptools import Distribution
     from setuptools.command.build_ext import build_ext
 
@@ -117,11 +142,11 @@ def translated(sources: list[Path]) -> list[Any]:
 
 def _sources(folder: Path) -> list[Path]:
     """The source files of the modules that the tree in ``folder`` lists, relative to it."""
-    sys.path.insert(0, str(folder))
-    path = folder.joinpath(*LIST.split(".")).with_suffix(".py")
-    return [
-        Path(*name.split(".")).with_suffix(".py") for name in runpy.run_path(str(path))["MODULES"]
-    ]
+    for node in ast.parse((folder / LIST).read_text()).body:
+        if isinstance(node, ast.Assign) and _names(node) == ["MODULES"]:
+            names = ast.literal_eval(node.value)
+            return [Path(*name.split(".")).with_suffix(".py") for name in names]
+    raise ValueError(f"{LIST} has no MODULES")
 
 
 @contextmanager
@@ -225,7 +250,7 @@ def _called(decorator: ast.expr) -> str:
 
 
 class CustomBuildHook(BuildHookInterface):  # type: ignore[misc, valid-type]
-    """The build hook. Hatchling finds it by its name."""
+    """The build hook. Hatchling loads it because pyproject.toml has a table for it."""
 
     def dependencies(self) -> list[str]:
         return NEEDED if os.environ.get(WANTED) else []
@@ -233,47 +258,87 @@ class CustomBuildHook(BuildHookInterface):  # type: ignore[misc, valid-type]
     def initialize(self, version: str, build_data: dict[str, Any]) -> None:
         if version != "standard" or not os.environ.get(WANTED):
             return
+        if not has_compiler():
+            self.app.display_warning(f"{WANTED} is set, but there is {NO_COMPILER}")
+            return
         tree = Path(self.root) / "build" / "wheel"
         copy(Path(self.root), tree, PACKAGES)
         build_data["force_include"] |= {str(tree / file): str(file) for file in compile_in(tree)}
         build_data |= {"pure_python": False, "infer_tag": True}
 
 
-# --- beside the pure tree ---
+# --- the wheel, installed, with its tests beside it ---
 
 
-def copy(root: Path, tree: Path, names: tuple[str, ...]) -> None:
+def copy(root: Path, tree: Path, names: Iterable[str]) -> None:
     """Copy the sources ``names`` into ``tree``, in place of earlier copies."""
     for name in names:
         shutil.rmtree(tree / name, ignore_errors=True)
         source = root / name
         if source.is_dir():
-            ignored = shutil.ignore_patterns("__pycache__")
+            ignored = shutil.ignore_patterns("__pycache__", "node_modules")
             shutil.copytree(source, tree / name, ignore=ignored)
         else:
             shutil.copy2(source, tree / name)
 
 
-def environment(tree: Path) -> None:
-    """Make a virtual environment in ``tree``. It sees the running environment's packages, but
-    takes auvmission's own from ``tree``."""
-    folder = tree / ".venv"
-    venv.create(folder, symlinks=True)
-    packages = Path(sysconfig.get_path("purelib", vars={"base": str(folder)}))
-    packages.joinpath("auvmission.pth").write_text(f"{tree}\n{sysconfig.get_path('purelib')}\n")
-    for name in ("auvmission", "pytest"):
-        script = Path(sys.executable).parent.joinpath(name).read_text().split("\n", 1)[1]
-        program = folder / "bin" / name
-        program.write_text(f"#!{folder}/bin/python\n{script}")
-        program.chmod(0o755)
+def digest(root: Path) -> str:
+    """A digest of every file that the wheel depends on."""
+    found = [path for name in INSTALLED for path in (root / name).rglob("*")]
+    files = [path for path in found if path.is_file() and "__pycache__" not in path.parts]
+    whole = hashlib.sha256()
+    for path in sorted([*files, root / "hatch_build.py", root / "pyproject.toml"]):
+        content = path.read_bytes()
+        whole.update(f"{path.relative_to(root)} {len(content)}\n".encode() + content)
+    return whole.hexdigest()
+
+
+def outdated(root: Path, tree: Path) -> str:
+    """Why the build in ``tree`` is not one of the sources in ``root``; empty if it is."""
+    made_of = tree / MADE_OF
+    if not made_of.exists():
+        return "there is no compiled build: make compiled"
+    if made_of.read_text() != digest(root):
+        return "the compiled build is of other sources: make compiled"
+    return ""
+
+
+def install(root: Path, tree: Path) -> None:
+    """Build the wheel and install it in a fresh environment in ``tree``, with the packages that its
+    tests and benches need. Ends the program if the wheel is pure Python."""
+    wheels, folder = tree / "wheel", tree / ".venv"
+    shutil.rmtree(wheels, ignore_errors=True)
+    words = ("wheel", "--quiet", "--no-deps", "--wheel-dir", str(wheels), str(root))
+    wanted = os.environ | {WANTED: "1"}
+    subprocess.run([sys.executable, "-m", "pip", *words], check=True, env=wanted)
+    (wheel,) = wheels.glob("*.whl")
+    if wheel.stem.endswith("-none-any"):
+        raise SystemExit(NO_COMPILER)
+    venv.create(folder, clear=True, symlinks=True, with_pip=True)
+    words = ("install", "--quiet", f"{wheel}[bench,dev]")
+    subprocess.run([str(folder / "bin" / "python"), "-m", "pip", *words], check=True)
+
+
+def link(tree: Path) -> None:
+    """Link the installed packages where the sources would be, so that the tests run only those."""
+    (packages,) = tree.glob(".venv/lib/python*/site-packages")
+    for name, place in INSTALLED.items():
+        if (tree / name).is_symlink():
+            (tree / name).unlink()
+        shutil.rmtree(tree / name, ignore_errors=True)
+        (tree / name).symlink_to((packages / place).relative_to(tree))
 
 
 def main(folder: str) -> int:
     root, tree = Path(__file__).resolve().parent, Path(folder).resolve()
+    if root.is_relative_to(tree):
+        raise SystemExit(f"{tree} has the sources; name a folder that can be replaced")
     tree.mkdir(parents=True, exist_ok=True)
-    copy(root, tree, tuple(p.name for p in root.iterdir() if p.name not in LEFT))
-    compile_in(tree)
-    environment(tree)
+    if outdated(root, tree):
+        install(root, tree)
+        (tree / MADE_OF).write_text(digest(root))
+    link(tree)
+    copy(root, tree, {path.name for path in root.iterdir()} - LEFT - INSTALLED.keys())
     return 0
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import operator
 from random import Random
-from typing import Any
 
 import pytest
 
@@ -13,7 +12,8 @@ from mission.authoring.compiler.directions import direction_problems
 from mission.authoring.language import draft
 from mission.authoring.prepare import charted
 from mission.engine.guards import Sheet
-from mission.model import And, Comparison, Guard, Or, Where
+from mission.engine.readings import Scope
+from mission.model import And, Comparison, Guard, Health, Or, Where
 from mission.model.diagnostics import Diagnostic
 from mission.model.shipped import load_vehicle
 
@@ -64,6 +64,7 @@ def test_a_sector_that_its_numbers_say_is_taken(guard: str) -> None:
     assert found(guard) == []
 
 
+NOWHERE = Scope(0.0, None, None, lambda _: Health(True, "", 0.0), 0.0, 0.0, 0.0, 1, lambda: None)
 PLAIN = {"<": operator.lt, "<=": operator.le, ">": operator.gt, ">=": operator.ge}
 
 
@@ -82,6 +83,6 @@ def test_what_is_taken_is_for_the_engine_what_its_numbers_say() -> None:
         if any(direction_problems(kind(both), Where(1, 1))) or not any(said) or all(said):
             continue
         taken += 1
-        guard, nowhere = Sheet().add(Guard(kind(both))), Any
-        assert [guard.test([angle], nowhere) for angle in angles] == said, both  # type: ignore[arg-type]
+        guard = Sheet().add(Guard(kind(both)))
+        assert [guard.test([angle], NOWHERE) for angle in angles] == said, both
     assert taken > 50

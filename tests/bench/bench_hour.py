@@ -93,7 +93,7 @@ def main(turns: int = 32) -> dict[str, float]:
     ratios = [naive / own for naive, own in zip(theirs, ours, strict=True)]
     low, ratio, high = quartiles(ratios)
     added = statistics.median(full / own for full, own in zip(boxed, ours, strict=True))
-    say(f"  ratio            {ratio:6.1f}     (15 or more wanted), half of the turns ")
+    say(f"  ratio            {ratio:6.1f}     half of the turns ")
     say(f"{low:.1f} to {high:.1f}\n")
     say(f"  of the minima    {min(theirs) / min(ours):6.1f}\n")
     say(f"  with black box   {added:6.2f}     times that (1.5 at most wanted)\n")

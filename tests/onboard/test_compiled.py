@@ -9,16 +9,16 @@ import importlib.util
 import os
 import pickle
 import re
-import runpy
 import shutil
 import subprocess
 import sys
 import threading
 import typing
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any
 
 import pytest
+from builds import BUILD, PACKAGES, PYTHON, ROOT, TREE, is_made
 from click.testing import CliRunner
 from served import PATIENCE
 
@@ -29,34 +29,15 @@ from mission.onboard.runtime.operator_channels import operator_channels
 from mission.verification.exhaustive.fork import Fork
 from protocol.tolerances import Tolerances
 
-ROOT = Path(__file__).resolve().parents[2]
-TREE = ROOT / "build" / "compiled"
-PYTHON = TREE / ".venv" / "bin" / "python"
-PACKAGES = ("mission", "links", "protocol")
-
-
-def sources(tree: Path) -> dict[Path, bytes]:
-    return {p.relative_to(tree): p.read_bytes() for n in PACKAGES for p in (tree / n).rglob("*.py")}
-
 
 def both(
     *arguments: str, folder: Path | None = None, of: tuple[str, ...] = ("-m", "mission")
 ) -> tuple[str, str]:
     """What the program prints and, with a folder, the digests of the files that it leaves there;
     ``of``: what Python is told to run."""
-    if not PYTHON.exists():
-        missing("no compiled build: make compiled")
-    if sources(TREE) != sources(ROOT):
-        missing("the compiled build is of other sources: make compiled")
+    is_made()
     words = (*of, *arguments)
     return _run(sys.executable, ROOT, words, folder), _run(PYTHON, TREE, words, folder)
-
-
-def missing(why: str) -> NoReturn:
-    """A reason to look away, unless somebody has asked for both builds."""
-    if os.environ.get("AUVMISSION_COMPILED"):
-        pytest.fail(why)
-    pytest.skip(why)
 
 
 def _run(python: str | Path, tree: Path, arguments: tuple[str, ...], folder: Path | None) -> str:
@@ -169,7 +150,7 @@ def test_the_types_of_fields_that_mypyc_forgets_are_told_again() -> None:
     exec(SOURCE, names)
     whole = typing.get_type_hints(names["Curve"], names)
     names["Curve"].__annotations__.update(at=tuple, named=type)  # as mypyc leaves them
-    exec(runpy.run_path(str(ROOT / "hatch_build.py"))["told_again"](SOURCE), names)
+    exec(BUILD["told_again"](SOURCE), names)
     assert typing.get_type_hints(names["Curve"], names) == whole
 
 
@@ -197,7 +178,7 @@ def count(LIMIT: float) -> None:
 
 
 def test_constants_are_marked_and_stay_on_their_lines() -> None:
-    marked = runpy.run_path(str(ROOT / "hatch_build.py"))["finals"](CONSTANTS)
+    marked = BUILD["finals"](CONSTANTS)
     before, after = CONSTANTS.splitlines(), marked.splitlines()
     assert len(after) == len(before)
     assert [line for old, line in zip(before, after, strict=True) if line != old] == [
@@ -221,7 +202,7 @@ def test_files_of_c_are_compiled_side_by_side_and_come_back_in_their_order() -> 
         both_there.wait()
         return [f"{folder}/{source}.o" for source in sources]
 
-    at_once = runpy.run_path(str(ROOT / "hatch_build.py"))["at_once"]
+    at_once = BUILD["at_once"]
     assert at_once(one, 2)(["a", "b", "c", "d"], folder="x") == [f"x/{name}.o" for name in "abcd"]
 
 
