@@ -92,9 +92,9 @@ def faults(
     if soaks is not None:
         if soak is None:
             raise click.UsageError("--soaks needs --soak DAYS")
-        sys.exit(_soak_many(soak, range(seed, seed + soaks), where, known, as_json))
+        sys.exit(_soak_many(soak, range(seed, seed + soaks), where, known, calm, as_json))
     if soak is not None:
-        sys.exit(_soak(soak, seed, known, as_json))
+        sys.exit(_soak(soak, seed, known, calm))
     totals = Totals()
     also: dict[str, Any] = {}
     if flight is not None:
@@ -306,7 +306,7 @@ def _notice(
     return notice(name, flights_of(seed, known), flights, searched=search)
 
 
-def _soak(days: float, seed: int, known: Sequence[Subject], as_json: bool) -> int:
+def _soak(days: float, seed: int, known: Sequence[Subject], calm: bool) -> int:
     """The exit code."""
     import json
     import tempfile
@@ -315,14 +315,17 @@ def _soak(days: float, seed: int, known: Sequence[Subject], as_json: bool) -> in
     from mission.verification.rig.vehicle import flown
 
     def told(soaked: soak.Soaked, result: FlightResult) -> None:
-        for line in soak.story(soaked, result, seed, known[0].vehicle):
+        for line in soak.story(soaked, result, seed, known[0].vehicle, calm):
             click.echo(line)
         if soaked.missions % 20 == 0:
             words = f"{soaked.days:.2f} of {days:g} days, {soaked.missions} missions"
-            click.echo(f"{words}, growth {soaked.growth}", err=True)
+            click.echo(f"{words}, growth {soaked.memory.growth}", err=True)
 
+    vehicle = flown(known[0].vehicle)
     with tempfile.TemporaryDirectory(prefix="soak-") as folder:
-        soaked = soak.soak(days, seed, known, flown(known[0].vehicle), Path(folder), told)
+        soaked = soak.soak(days, seed, known, vehicle, Path(folder), told, calmly=calm)
+    for line in soaked.memory.in_words():
+        click.echo(line, err=True)
     click.echo(json.dumps(soaked.as_json()))
     if soaked.interrupted:
         raise KeyboardInterrupt
@@ -330,7 +333,7 @@ def _soak(days: float, seed: int, known: Sequence[Subject], as_json: bool) -> in
 
 
 def _soak_many(
-    days: float, seeds: range, where: Where, known: Sequence[Subject], as_json: bool
+    days: float, seeds: range, where: Where, known: Sequence[Subject], calm: bool, as_json: bool
 ) -> int:
     """The exit code. Each in a process of its own, which looks at its memory."""
     import functools
@@ -341,11 +344,11 @@ def _soak_many(
     from mission.verification.workers import results
     from mission.verification.workers.outcome import Lost
 
-    work = functools.partial(soak_alone, days, known, flown(known[0].vehicle))
+    work = functools.partial(soak_alone, days, known, flown(known[0].vehicle), calm)
     place = where.lasting(1.0 + days).place
     found: dict[int, Any] = {}
     held = True
-    asked = {"flights": "soaked", "days": days}
+    asked = {"flights": "soaked calmly" if calm else "soaked", "days": days}
     if known[0].vehicle != "auv":
         asked["vehicle"] = known[0].vehicle
     with where.keeping(asked, Summary) as kept:
