@@ -3,18 +3,21 @@
     AUVMISSION_COMPILED=1 pip install .        a wheel with compiled modules
     python hatch_build.py build/compiled       the tree with them, and an environment that runs it
 
-mypyc translates the modules that ``mission.model.compiled`` lists, and the C compiler of this
-machine makes one extension of them all. Without the variable nothing of this happens.
+mypyc translates the modules that ``mission.model.compiled`` lists, and this machine's C compiler
+makes one extension of them all. Without the variable the wheel is pure Python.
 
-Other packages are not looked at: what is built follows from this tree alone, whatever is installed.
-Classes are marked as such that interpreted ones may inherit from; with that they can be copied,
-too (others can only if their constructor takes nothing). Dataclasses are told the types of their
-fields again, which mypyc forgets, and how frozen ones are copied and pickled: mypyc sets field by
-field what must not be set. Constants are marked as final: mypyc then writes a number down
-where it is used, and keeps the others where no dictionary has to be asked. That is done in the copy
-that is compiled, and undone there: no source needs mypyc.
-Contraction is off: a multiplication and an addition that become one instruction round once instead
-of twice, and aarch64 would then differ from x86-64 in the last bit.
+mypyc ignores other packages: the result depends on this tree alone, whatever is installed. The
+copy that is compiled is changed before, and restored after; no source needs mypyc. The changes:
+
+- Classes are marked so that interpreted classes may inherit from them. Marked classes can also be
+  copied (others only if their constructor takes no argument).
+- Dataclasses get the types of their fields again, because mypyc loses them.
+- Frozen dataclasses get a way to be copied and pickled: mypyc would set their fields one by one.
+- Constants are marked as final: mypyc then inlines numbers, and reads the others without a
+  dictionary lookup.
+
+Contraction is off. A fused multiply-add rounds once instead of twice, so aarch64 would differ from
+x86-64 in the last bit.
 """
 
 from __future__ import annotations
@@ -36,7 +39,7 @@ from typing import Any
 
 try:
     from hatchling.builders.hooks.plugin.interface import BuildHookInterface
-except ImportError:  # run by hand
+except ImportError:  # run as a script
     BuildHookInterface = object
 
 LIST = "mission.model.compiled"
@@ -46,7 +49,7 @@ NEEDED = ["mypy>=1.18", "setuptools>=65"]
 CHECKING = ["--config-file=", "--no-site-packages", "--ignore-missing-imports"]
 FLAGS = ["-ffp-contract=off"]
 _MARK = "@mypyc_attr(allow_interpreted_subclasses=True)\n"
-# Of the classes that are inherited from, or copied.
+# Bases of the classes that others inherit from, or copy.
 _BASES = "ABC|EngineState|Flying|LockStep|Rig|Watch"
 _CLASS = re.compile(rf"^(?=class \w+(\(({_BASES})\))?:)", re.MULTILINE)
 _FUTURE = re.compile(r"^(from __future__ import annotations\n)", re.MULTILINE)
@@ -59,8 +62,8 @@ LEFT = {".git", ".venv", ".mypy_cache", ".ruff_cache", ".pytest_cache", "build",
 
 
 def compile_in(folder: Path) -> list[Path]:
-    """Compiles in place what stands in ``folder``. The extensions, relative to it; the one that
-    holds the code of all is at its top. CompileError of setuptools where no compiler is."""
+    """Compile the tree in ``folder`` in place and return its extensions, relative to it. The one
+    with the code of all is at its top. Raises setuptools' CompileError without a compiler."""
     from setuptools import Distribution
     from setuptools.command.build_ext import build_ext
 
@@ -79,7 +82,7 @@ def compile_in(folder: Path) -> list[Path]:
 
 
 def at_once(compile_: Callable[..., list[str]], cores: int) -> Callable[..., list[str]]:
-    """A compiler's ``compile``, by so many processes at a time: a file of C each."""
+    """A compiler's ``compile`` that runs ``cores`` compilers at a time, one C file each."""
 
     def of_all(sources: list[str], **options: Any) -> list[str]:
         with ThreadPoolExecutor(cores) as threads:
@@ -90,13 +93,14 @@ def at_once(compile_: Callable[..., list[str]], cores: int) -> Callable[..., lis
 
 
 def translate_in(folder: Path) -> None:
-    """The C code alone, in ``folder``: whether mypyc takes the sources, in a sixth of the time."""
+    """Only generate the C code, in ``folder``: shows whether mypyc accepts the sources, in a sixth
+    of the time."""
     with chdir(folder), marked(_sources(folder)) as sources:
         translated(sources)
 
 
 def translated(sources: list[Path]) -> list[Any]:
-    """Extensions to be compiled. Ends the program with mypyc's words where it takes them not."""
+    """Return the extensions to compile. Ends the program with mypyc's errors if it refuses them."""
     from mypyc.build import mypycify
 
     extensions = mypycify(
@@ -112,7 +116,7 @@ def translated(sources: list[Path]) -> list[Any]:
 
 
 def _sources(folder: Path) -> list[Path]:
-    """Of the modules that the tree in ``folder`` lists, relative to it."""
+    """The source files of the modules that the tree in ``folder`` lists, relative to it."""
     sys.path.insert(0, str(folder))
     path = folder.joinpath(*LIST.split(".")).with_suffix(".py")
     return [
@@ -122,8 +126,8 @@ def _sources(folder: Path) -> list[Path]:
 
 @contextmanager
 def marked(sources: list[Path]) -> Iterator[list[Path]]:
-    """Within it the classes without bases, and those of ``_BASES``, say that others may inherit
-    from them, and constants that they are some."""
+    """Mark the sources in the ``with`` block, and restore them after it. Marked are constants,
+    classes without a base, and classes with a base of ``_BASES``."""
     before = {source: source.read_text() for source in sources}
     try:
         for source, text in before.items():
@@ -136,8 +140,8 @@ def marked(sources: list[Path]) -> Iterator[list[Path]]:
 
 
 def finals(text: str) -> str:
-    """The module with its constants marked: names in capitals that are given a value once, by
-    themselves or several in one statement, from as many or from a range. Each stays on its line."""
+    """The module with its constants marked as ``Final``. Constants are names in capitals that are
+    assigned once: alone, or several in one statement, from a tuple or a range. No line moves."""
     tree, lines = ast.parse(text), text.splitlines(keepends=True)
     once = _given_once(tree)
     for node in tree.body:
@@ -158,7 +162,7 @@ def finals(text: str) -> str:
 
 
 def _given_once(tree: ast.Module) -> set[str]:
-    """Names in capitals that nothing in the module gives another value."""
+    """Names in capitals that the module assigns only once."""
     plain = [n for n in tree.body if not isinstance(n, ast.FunctionDef | ast.ClassDef)]
     stored = Counter(
         node.id
@@ -171,14 +175,14 @@ def _given_once(tree: ast.Module) -> set[str]:
 
 
 def _names(node: ast.Assign | ast.AnnAssign) -> list[str]:
-    """What it gives a value; what is no name as it is written."""
+    """The targets of the assignment, as source text."""
     targets = node.targets if isinstance(node, ast.Assign) else [node.target]
     parts = targets[0].elts if isinstance(targets[0], ast.Tuple) else targets
     return [ast.unparse(part) for part in parts]
 
 
 def _values(node: ast.Assign) -> list[str]:
-    """What each of several names is given; none where that cannot be told."""
+    """The values that several names get, as source text; empty if they cannot be told."""
     match node.value:
         case ast.Tuple(elts=parts):
             return list(map(ast.unparse, parts))
@@ -197,9 +201,9 @@ def _insert(lines: list[str], number: int, column: int | None, words: str) -> No
 
 
 def told_again(text: str) -> str:
-    """Lines that tell the dataclasses of a module the types of their fields again (mypyc keeps
-    ``tuple`` of a ``tuple[float, ...]``, and records are read back by these types), and of what
-    a frozen one is made again."""
+    """Lines that give the module's dataclasses the types of their fields again, and frozen ones a
+    way to be pickled. mypyc keeps only ``tuple`` of ``tuple[float, ...]``, but records are read
+    back by these types."""
     lines = []
     for node in ast.parse(text).body:
         if isinstance(node, ast.ClassDef) and "dataclass" in map(_called, node.decorator_list):
@@ -221,7 +225,7 @@ def _called(decorator: ast.expr) -> str:
 
 
 class CustomBuildHook(BuildHookInterface):  # type: ignore[misc, valid-type]
-    """Hatchling finds it by its name."""
+    """The build hook. Hatchling finds it by its name."""
 
     def dependencies(self) -> list[str]:
         return NEEDED if os.environ.get(WANTED) else []
@@ -239,7 +243,7 @@ class CustomBuildHook(BuildHookInterface):  # type: ignore[misc, valid-type]
 
 
 def copy(root: Path, tree: Path, names: tuple[str, ...]) -> None:
-    """The sources as they are, in the place of what was there."""
+    """Copy the sources ``names`` into ``tree``, in place of earlier copies."""
     for name in names:
         shutil.rmtree(tree / name, ignore_errors=True)
         source = root / name
@@ -251,7 +255,8 @@ def copy(root: Path, tree: Path, names: tuple[str, ...]) -> None:
 
 
 def environment(tree: Path) -> None:
-    """In ``tree``: it sees the packages of the running one, and of ours only those in ``tree``."""
+    """Make a virtual environment in ``tree``. It sees the running environment's packages, but
+    takes auvmission's own from ``tree``."""
     folder = tree / ".venv"
     venv.create(folder, symlinks=True)
     packages = Path(sysconfig.get_path("purelib", vars={"base": str(folder)}))

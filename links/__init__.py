@@ -1,11 +1,11 @@
-"""Moves bytes; knows nothing of what they mean.
+"""Move bytes, whatever they mean.
 
     serial:///dev/ttyUSB0?baud=9600     tcp://host:port     tcp-listen://127.0.0.1:port
     tls://host:port?keys=FOLDER         tls-listen://0.0.0.0:port?keys=FOLDER&allow=192.168.1.0/24
     memory://name                       acoustic://name?range=1000&rate=1000&loss=0.1
     can://can0?interface=socketcan
 
-``open_link`` opens a link by its URL; LINKS is the table of schemes, one row each, whose module is
+``open_link`` opens a link by its URL. LINKS has one row for each scheme. The module of a row is
 imported when it is first needed.
 """
 
@@ -34,12 +34,12 @@ SERIAL_BAUD = 9600
 
 
 class LinkAddressError(LinkError):
-    """The URL itself is wrong: says which part, and what to write instead."""
+    """The URL itself is wrong. The message names the part, and what to write instead."""
 
 
 @dataclass(frozen=True, slots=True)
 class Address:
-    """A link's URL, taken apart. ``options`` are those that the row's ``options`` allow."""
+    """A link's URL, parsed. ``options`` has only options that the row of the scheme allows."""
 
     url: str
     scheme: str
@@ -49,7 +49,7 @@ class Address:
     options: Mapping[str, str]
 
     def number(self, option: str, default: float, low: float, high: float) -> float:
-        """An option as a number within bounds. Raises LinkAddressError."""
+        """Return an option as a number within bounds. Raises LinkAddressError."""
         text = self.options.get(option)
         if text is None:
             return default
@@ -66,13 +66,13 @@ class Address:
 
 @dataclass(frozen=True, slots=True)
 class LinkRow:
-    """``module`` has ``open_url(name, address) -> Link``, and ``settings(address)``: what of an
-    address it uses; both raise LinkAddressError."""
+    """One scheme. ``module`` has ``open_url(name, address) -> Link``, and ``settings(address)``,
+    which returns the parts of an address that it uses. Both raise LinkAddressError."""
 
     module: str
     example: str
     options: tuple[str, ...] = ()
-    rate: str = ""  # the option that tells the rate of its line; "" where it has none
+    rate: str = ""  # the option that sets the line's bit rate; "" if there is none
 
 
 _ADMISSION = ("allow", "connections", "each", "idle", "handshake", "viewers")  # links.admission
@@ -101,7 +101,7 @@ LINKS: dict[str, LinkRow] = {
 
 
 def parse_address(url: str) -> Address:
-    """Raises LinkAddressError."""
+    """Parse a link's URL. Raises LinkAddressError."""
     parts = urlsplit(url)
     row = LINKS.get(parts.scheme)
     if row is None:
@@ -120,7 +120,7 @@ def parse_address(url: str) -> Address:
 
 
 def baud_of(url: str, otherwise: float) -> float:
-    """Of the line behind a link; ``otherwise`` where its URL does not tell, or is none."""
+    """The baud rate in a link's URL; ``otherwise`` if it has none, or is not a link's URL."""
     try:
         return parse_address(url).number("baud", otherwise, 1.0, 1e9)
     except LinkAddressError:
@@ -128,7 +128,7 @@ def baud_of(url: str, otherwise: float) -> float:
 
 
 def at_rate(url: str, bits_per_s: int) -> str:
-    """The URL with this rate, if it is one of a line that needs a rate and tells none."""
+    """Add the bit rate to the URL, if its scheme has a rate and the URL does not set it."""
     scheme, _, rest = url.partition("://")
     option = LINKS[scheme].rate if scheme in LINKS else ""
     if not option or f"{option}=" in rest.partition("?")[2]:
@@ -137,7 +137,7 @@ def at_rate(url: str, bits_per_s: int) -> str:
 
 
 def check_url(url: str) -> None:
-    """Raises LinkAddressError for what could never be opened, whatever is plugged in."""
+    """Raise LinkAddressError if the URL could never be opened, whatever is plugged in."""
     address = parse_address(url)
     importlib.import_module(LINKS[address.scheme].module).settings(address)
 

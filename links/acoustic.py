@@ -1,14 +1,14 @@
 """A simulated acoustic channel between two modems, in virtual time.
 
     a ))) |<------- range / sound speed ------->| ((( b
-    acoustic://name?range=1000&rate=1000&loss=0.1&errors=1e-5&seed=1    (the first and the second
-                                                                        to open a name meet)
+    acoustic://name?range=1000&rate=1000&loss=0.1&errors=1e-5&seed=1    (connects the first and
+                                                                        second to open a name)
     one send = one burst on the water: [preamble + 8 n / bit rate]; delivered whole, at its end
 
 Rules:
-  * What is sent while the modem still transmits waits its turn.
-  * Half duplex: a burst that overlaps a transmission of its receiver, or another burst there,
-    is lost; so is one in ``loss``. Of the others each bit is wrong with ``bit_error_rate``.
+  * Data sent while the modem still transmits waits until it has finished.
+  * Half duplex: a burst that overlaps a transmission of its receiver is lost. A share ``loss`` of
+    all bursts is lost too. In the others each bit is wrong with probability ``bit_error_rate``.
   * The same seed and the same sends give the same bytes.
 
 What does not live here: the envelope and the retries (protocol), real modems (links.serial).
@@ -29,7 +29,7 @@ MTU = 3207  # bytes: one full modem frame (document 000, table 1.3)
 
 @dataclass(frozen=True, slots=True)
 class Water:
-    """``range_m`` is the slant range; ``preamble`` the seconds a modem needs before the data."""
+    """The channel. ``range_m``: slant range; ``preamble``: s that a modem sends before the data."""
 
     range_m: float = 1000.0
     bit_rate: float = 1000.0  # bit/s on the water
@@ -53,7 +53,7 @@ class Water:
 
 @dataclass(slots=True)
 class Tally:
-    """What one modem has put on the water, and what became of it."""
+    """What one modem has sent, and what became of it."""
 
     bursts: int = 0
     size: int = 0  # bytes
@@ -73,7 +73,7 @@ class _Burst:
 
 @dataclass(slots=True)
 class AcousticLink:
-    """One end; made in pairs by ``acoustic_pair``."""
+    """One end. ``acoustic_pair`` and ``open_url`` connect two of them."""
 
     name: str
     water: Water
@@ -106,7 +106,7 @@ class AcousticLink:
         self.tally.lost += lost
         delay = self.water.delay
         heard = data if lost else self._damage(data)
-        if peer is not None and not peer.closed:  # else nobody hears it, and nobody says so
+        if peer is not None and not peer.closed:  # else nobody receives it, and no error is raised
             peer.coming.append(_Burst(begin + delay, self._free + delay, heard, lost))
 
     def receive(self, now: float) -> list[Rx]:
@@ -135,7 +135,7 @@ class AcousticLink:
         return any(begin < burst.end for begin, _ in self._spoken)
 
     def _damage(self, data: bytes) -> bytes:
-        """Wrong bits, by drawing the gaps between them."""
+        """Flip bits at random, by drawing the gaps between wrong bits."""
         rate, out, bit = self.water.bit_error_rate, bytearray(data), -1
         if rate == 0.0:
             return data
@@ -168,7 +168,7 @@ _WATERS: dict[str, list[AcousticLink]] = {}
 
 
 def settings(address: Address) -> tuple[str, Water, int]:
-    """The water's name, what it is, and its seed. Raises LinkAddressError."""
+    """Name, parameters and seed of the water. Raises LinkAddressError."""
     place = address.host + address.path
     if not place:
         raise LinkAddressError(f"{address.url}: give the water a name, e.g. acoustic://bay")
@@ -182,7 +182,7 @@ def settings(address: Address) -> tuple[str, Water, int]:
 
 
 def open_url(name: str, address: Address) -> AcousticLink:
-    """Raises LinkBusy where two modems are there already. The second one's options do not count."""
+    """Open an end. The options of the second end are ignored. Raises LinkBusy for a third end."""
     place, water, seed = settings(address)
     ends = [end for end in _WATERS.get(place, []) if not end.closed]
     if len(ends) == 2:

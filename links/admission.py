@@ -1,23 +1,24 @@
 """Who may connect: addresses, connections in total and from one address, and how often.
 
-    allow=192.168.1.0/24,10.0.0.5   nobody else; not given: everybody who can reach the port
-    connections=32  each=8          at once: in total, from one address
+    allow=192.168.1.0/24,10.0.0.5   only these addresses; default: everybody who reaches the port
+    connections=32  each=8          at the same time: in total, from one address
     idle=600                        s without a byte, then a connection is dropped
     handshake=5                     s that a peer has to show its certificate
-    viewers=yes                     who may only look is let in, too (a role of its certificate)
-    (fixed)                         50 connections at once from one address, then 10 a second;
-                                    with TLS as many as come, and 256 handshakes at a time
+    viewers=yes                     admit viewers too (a role in the certificate)
+    (fixed)                         50 new connections at once from one address, then 10 a second;
+                                    with TLS no limit on these, but 256 handshakes at a time
 
-Where there is no room, the connection that has been silent longest gives way, if it has been
-silent for ``GIVES_WAY`` seconds: who only holds a place never keeps an operator out. Who has said
-nothing so far that makes sense, however many bytes, gives way after ``PROVES`` seconds.
+When no place is free, the connection that has been silent longest is dropped, if it has been silent
+for ``GIVES_WAY`` seconds: an idle connection never keeps an operator out. A peer that has not
+proved itself (no certificate, no valid frame) can be dropped ``PROVES`` seconds after it came, no
+matter how many bytes it sends.
 
-Who has still to show a certificate waits in a lobby of its own, whatever comes from the same
-address: that may be half a hundred handshakes that never end, and the boat. Where the lobby is
-full the first to come gives way at once, of those from the address that fills it. Rate and places
-by address count for who has shown one.
+With TLS a peer first waits in the lobby, until it has shown a certificate. ``each`` does not count
+there: an address may have 50 handshakes that never end, and the boat. If the lobby is full, the
+oldest handshake from the address with the most handshakes is dropped at once. ``connections`` and
+``each`` count peers that have shown a certificate.
 
-Sans-IO: times are given by who calls. What does not live here: sockets (tcp), certificates (tls),
+Sans-IO: the caller gives the times. What does not live here: sockets (tcp), certificates (tls),
 who commands (mission).
 """
 
@@ -34,8 +35,8 @@ GIVES_WAY = 10.0  # s
 PROVES = 1.0  # s
 AT_ONCE, PER_SECOND = 50.0, 10.0  # new connections from one address
 HANDSHAKE = 5.0  # s
-LOBBY = 256  # handshakes at a time: half a second of 500 a second, for an answer by a slow radio
-_REMEMBERED = 1024  # addresses; beyond, those that have been quiet are forgotten
+LOBBY = 256  # handshakes at a time: at 500 a second, 0.5 s for an answer by a slow radio
+_REMEMBERED = 1024  # addresses; with more, addresses without new connections are forgotten
 
 Network = ipaddress.IPv4Network | ipaddress.IPv6Network
 
@@ -47,7 +48,7 @@ class Admission:
     each: int = 8
     idle: float = 600.0  # s
     handshake: float = HANDSHAKE  # s that a peer has to prove who it is
-    viewers: bool = False  # certificates of viewers are let in, too
+    viewers: bool = False  # viewers' certificates are admitted too
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,8 +61,8 @@ class Refusal:
 
 @dataclass(frozen=True, slots=True)
 class Present:
-    """One of those who are connected, as admission sees it. ``heard``: when its last byte came;
-    of who has ``proved`` nothing yet, when it came itself."""
+    """A connected peer, as admission sees it. ``heard``: when its last byte came; until it has
+    ``proved`` itself, when it connected."""
 
     address: str
     host: str
@@ -70,13 +71,13 @@ class Present:
 
     @property
     def gives_way(self) -> float:
-        """From when on."""
+        """The time from which on it may be dropped for another, s."""
         return self.heard + (GIVES_WAY if self.proved else PROVES)
 
 
 @dataclass(slots=True)
 class Allowance:
-    """``left`` of so many at once, refilled so many a second."""
+    """A token bucket with ``left`` tokens at time ``t``."""
 
     left: float
     t: float
@@ -96,14 +97,14 @@ class Gate:
         self.arrivals: dict[str, Allowance] = {}
 
     def forbids(self, host: str) -> str:
-        """Why nobody from there may ever connect; "" if he may."""
+        """Why ``host`` may never connect; "" if it may."""
         allow = self._admission.allow
         if allow and not any(_plain(host) in network for network in allow):
             return "its address is not among those allowed"
         return ""
 
     def hurries(self, host: str, now: float) -> str:
-        """Why nobody from there may connect now; "" if he may, where there is room."""
+        """Why ``host`` may not connect now; "" if it may, provided that a place is free."""
         if len(self.arrivals) > _REMEMBERED:
             self.arrivals = {h: a for h, a in self.arrivals.items() if now - a.t < 2.0}
         arrivals = self.arrivals.setdefault(host, Allowance(AT_ONCE, now))
@@ -112,7 +113,7 @@ class Gate:
         return ""
 
     def room(self, host: str, present: Sequence[Present], now: float) -> tuple[str, str]:
-        """Who gives way ("": nobody need), and why there is no room ("": there is)."""
+        """Return the peer to drop ("": none), and why no place is free ("": one is)."""
         admission = self._admission
         neighbours = [one for one in present if one.host == host]
         if len(neighbours) >= admission.each:
@@ -127,7 +128,7 @@ class Gate:
         return first.address, ""
 
     def lobby(self, waiting: Sequence[Present]) -> str:
-        """Who of those without a certificate so far gives way to one more; "": nobody need."""
+        """The peer to drop from the lobby for one more handshake; "": none."""
         if len(waiting) < LOBBY:
             return ""
         crowd = Counter(one.host for one in waiting)
@@ -135,7 +136,7 @@ class Gate:
 
 
 def _plain(host: str) -> ipaddress.IPv4Address | ipaddress.IPv6Address:
-    """An IPv4 address that came over IPv6 is an IPv4 address."""
+    """The address; an IPv4 address that came over IPv6 as an IPv4 address."""
     address = ipaddress.ip_address(host.partition("%")[0])
     if isinstance(address, ipaddress.IPv6Address) and address.ipv4_mapped is not None:
         return address.ipv4_mapped
@@ -143,7 +144,7 @@ def _plain(host: str) -> ipaddress.IPv4Address | ipaddress.IPv6Address:
 
 
 def admission_of(address: Address) -> Admission:
-    """Raises LinkAddressError."""
+    """The admission options of a URL. Raises LinkAddressError."""
     networks = []
     for text in filter(None, address.options.get("allow", "").split(",")):
         try:

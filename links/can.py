@@ -4,15 +4,15 @@ Bytes in and out are records, one per frame:
 
     identifier u16, high byte first | DLC u8 | data
 
-Only standard data frames (11-bit identifier, at most 8 bytes) are carried: remote, error, extended
-and FD frames are counted in ``skipped``. Bus-off closes the link, and a bus without a carrier is
-absent: the kernel drops what is sent then as if it had left. A bus that is up without ``one-shot``
-keeps old thrust until boards that were without power hear it; without ``restart-ms`` bus-off lasts.
-python-can is an extra (auvmission[can]) and is imported when a bus is opened; its ``virtual``
-interface connects programs' links within one process.
+The link carries only standard data frames (11-bit identifier, at most 8 bytes). It counts remote,
+error, extended and FD frames in ``skipped``. Bus-off closes the link. A bus without a carrier is
+absent, because the kernel drops frames on it without an error. Without ``one-shot`` an old thrust
+command stays queued until boards that had no power receive it. Without ``restart-ms`` a bus-off is
+permanent. python-can is an extra (auvmission[can]) and is imported when a bus is opened. Its
+``virtual`` interface connects links within one process.
 
 ``can://239.74.163.2:43113?interface=udp_multicast`` is a bus between programs of one computer or
-network. python-can hears every group of its port: two buses need two ports.
+network. python-can receives every multicast group of its port: two buses need two ports.
 ``sensors=/dev/ttyUSB1`` joins a serial line to the bus, at ``baud`` (links.joined).
 
 What does not live here: what identifiers mean (protocol).
@@ -31,10 +31,10 @@ from links.serial import SerialLink
 
 BITRATE = 500_000  # bit/s (R16)
 SENSORS_BAUD = 115_200  # bit/s, of the serial line beside the bus
-MOST_AT_ONCE = 4096  # frames per receive: a flooded bus must not hold up the loop
+MOST_AT_ONCE = 4096  # frames per receive: a flooded bus must not block the event loop
 _HEAD = 3
 _STANDARD = 0x7FF
-_BUS_OFF = 0x40  # of the class of an error, as Linux tells it (linux/can/error.h)
+_BUS_OFF = 0x40  # CAN_ERR_BUSOFF in an error frame (linux/can/error.h)
 INTERFACES = Path("/sys/class/net")  # Linux's own
 
 
@@ -48,7 +48,7 @@ class CanLink:
         bitrate: int = BITRATE,
         port: int | None = None,
     ) -> None:
-        """``port``: of a bus by UDP, None for python-can's own. Raises LinkAbsent."""
+        """``port``: of a bus by UDP; None: python-can's default. Raises LinkAbsent."""
         try:
             import can
         except ImportError:
@@ -119,7 +119,7 @@ class CanLink:
 
 
 def _is_without_carrier(channel: str) -> bool:
-    """As Linux tells of a bus that is up; False where it does not tell."""
+    """Whether Linux reports no carrier for a bus that is up; False if it reports nothing."""
     try:
         return (INTERFACES / channel / "carrier").read_text().strip() == "0"
     except OSError:
@@ -160,7 +160,7 @@ def settings(address: Address) -> tuple[str, str, int, int | None]:
 
 
 def _baud(address: Address) -> int:
-    """Of the line beside the bus."""
+    """The baud rate of the serial line beside the bus."""
     return int(address.number("baud", SENSORS_BAUD, 300, 4_000_000))
 
 

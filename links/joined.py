@@ -3,13 +3,13 @@
     record of a CAN frame (identifier up to 7FF)  -->  bus
     all else                                      -->  line  -->  receive
 
-Each end is lost and opened again by itself: one that is whole goes on without the other, and bytes
-for one that is away are dropped. One is enough to open the link, which is closed when both are
-gone. An end that was away counts as back once something could be sent by it: a bus that is down
-can be opened all the same.
+The two ends, bus and line, are lost and reopened independently. If one is disconnected the other
+continues, and bytes for the disconnected end are dropped. One end is enough to open the link; the
+link closes when both are gone. A lost end counts as back once a send by it succeeds, because even
+a bus that is down can be opened.
 
-What others say on the bus is taken from it and dropped: records and the line's bytes in one stream
-could not be told apart. What does not live here: what the boards say (protocol).
+The link reads frames of other nodes from the bus and drops them: records and the line's bytes could
+not be told apart in one stream. What does not live here: the boards' frames (protocol).
 """
 
 from __future__ import annotations
@@ -23,17 +23,17 @@ from links import open_link
 from links.base import Link, LinkClosed, Rx
 
 RETRY_S = 1.0
-_LOOK_S = 0.1  # whether a thread has opened it
-_MOST = 0x07  # the first byte of a record at most
+_LOOK_S = 0.1  # between two checks whether the thread has opened the end
+_MOST = 0x07  # greatest first byte of a record
 
 
 def is_of_bus(data: bytes) -> bool:
-    """Whether what is sent goes to the bus, not to the line."""
+    """Whether sent data goes to the bus, not to the line."""
     return bool(data) and data[0] <= _MOST
 
 
 def open_whole(name: str, url: str) -> Link:
-    """Opens a link as ``links.open_link`` does; an end that is not there is an error here."""
+    """Open a link as ``links.open_link`` does, but raise the error of an end that is missing."""
     link = open_link(name, url)
     if isinstance(link, JoinedLink) and link.away is not None:
         link.close()
@@ -42,7 +42,7 @@ def open_whole(name: str, url: str) -> Link:
 
 
 class _End:
-    """One of the two. ``error``: why it is away, None where it is not."""
+    """One of the two ends. ``error``: why it is disconnected; None: it is not."""
 
     def __init__(self, open_it: Callable[[], Link], ready: select.epoll) -> None:
         self._open_it, self._ready = open_it, ready
@@ -90,7 +90,7 @@ class _End:
             self._ready.register(link.fileno(), select.EPOLLIN)
 
     def _renew(self, now: float) -> None:
-        if now < self._due <= now + RETRY_S:  # later: time has begun anew, with another engine
+        if now < self._due <= now + RETRY_S:  # later: the time restarted from 0, with a new engine
             return
         self._due = now + _LOOK_S
         if self._opening is None:
@@ -105,7 +105,7 @@ class _End:
 
 
 class JoinedLink:
-    """Raises the bus's error where neither can be opened."""
+    """The link of both ends. The constructor raises the bus's error if neither can be opened."""
 
     def __init__(
         self, name: str, open_bus: Callable[[], Link], open_line: Callable[[], Link]
@@ -118,7 +118,7 @@ class JoinedLink:
 
     @property
     def away(self) -> OSError | None:
-        """Why an end is not there; None where both are."""
+        """Why an end is disconnected; None if none is."""
         return self._bus.error or self._line.error
 
     @property
@@ -126,7 +126,7 @@ class JoinedLink:
         return self._bus.link is None and self._line.link is None
 
     def fileno(self) -> int:
-        """Readable where either is."""
+        """A descriptor that is readable when either end is."""
         return -1 if self._ready.closed else self._ready.fileno()
 
     def receive(self, now: float) -> list[Rx]:
@@ -141,7 +141,7 @@ class JoinedLink:
         self._check()
 
     def next_event(self) -> float | None:
-        """When an end that is away is looked for."""
+        """When a disconnected end is next tried."""
         dues = (end.next_event() for end in (self._bus, self._line))
         return min((due for due in dues if due is not None), default=None)
 

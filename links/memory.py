@@ -1,9 +1,9 @@
 """Two ends of a wire inside one process, in virtual time: ``memory://name``.
 
-The first to open a name gets one end, the second the other; a third finds it busy. Bytes arrive
-``delay`` after they were sent, in order. With ``baud`` they also take their time on the wire (10
-bits a byte), one after the other, and are there when the last one is through. What does not live
-here: simulated vehicles (links.simulated).
+The first caller to open a name gets one end, the second the other; a third gets LinkBusy. Bytes
+arrive in order, ``delay`` after they were sent. With ``baud`` bytes also take time on the wire (10
+bits each), one after another; the bytes of one send arrive together with the last of them. What
+does not live here: simulated vehicles (links.simulated).
 """
 
 from __future__ import annotations
@@ -75,7 +75,7 @@ class MemoryLink:
 def memory_pair(
     name: str, other: str, *, delay: float = 0.0, baud: float | None = None
 ) -> tuple[MemoryLink, MemoryLink]:
-    """Two connected ends under the names that each side gives to its own."""
+    """Two connected ends. ``name`` and ``other`` are the names that the two sides use."""
     one = MemoryLink(name, delay=delay, baud=baud)
     two = MemoryLink(other, delay=delay, baud=baud)
     one.peer, two.peer = two, one
@@ -83,7 +83,7 @@ def memory_pair(
 
 
 class Exchange:
-    """The named wires of a process: who opens second meets who opened first."""
+    """The named wires of a process. The second caller to open a name is connected to the first."""
 
     def __init__(self) -> None:
         self._wires: dict[str, list[MemoryLink]] = {}
@@ -91,7 +91,7 @@ class Exchange:
     def open(
         self, wire: str, name: str, *, delay: float = 0.0, baud: float | None = None
     ) -> MemoryLink:
-        """Raises LinkBusy where both ends are taken and open."""
+        """Open an end. Raises LinkBusy if both ends are open."""
         ends = self._wires.get(wire, [])
         if any(end.closed for end in ends):
             ends = []

@@ -1,8 +1,8 @@
 """A serial port: 8N1, exclusive, never blocking. ``serial:///dev/ttyUSB0?baud=9600``.
 
-``fileno`` is for the event loop's ``add_reader``. What the driver does not take at once waits here
-and goes out with the next ``send`` or ``receive``; more than ``BACKLOG`` bytes waiting means that
-nobody takes them, and the link is closed. What does not live here: gaps between frames, retries.
+``fileno`` is for the event loop's ``add_reader``. Bytes that the driver does not take at once wait
+here for the next ``send`` or ``receive``. If more than ``BACKLOG`` bytes wait, nobody reads them,
+and the link is closed. What does not live here: gaps between frames, retries.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ class SerialLink:
             )
         except ValueError as error:
             raise LinkAddressError(f"{name}: {device}: {error}") from error
-        except Exception as error:  # termios.error, too: a device that goes away meanwhile
+        except Exception as error:  # also termios.error: the device was unplugged meanwhile
             raise _why(name, device, error) from error
 
     def fileno(self) -> int:
@@ -90,8 +90,8 @@ class SerialLink:
         return int(self._port.fileno())
 
     def _check_present(self) -> None:
-        """An empty read is silence, or the end of a device that was pulled out, though another
-        may bear its name by now."""
+        """Close and raise LinkClosed if the device was pulled out. An empty read means silence or
+        that; another device may have taken the same name since."""
         if not Path(self.device).exists() or _is_hung_up(self._fd()):
             self.close()
             raise LinkClosed(f"{self.name}: {self.device} went away: is the cable in?")
@@ -103,7 +103,7 @@ class SerialLink:
 
 def _is_hung_up(fd: int) -> bool:
     if sys.platform == "win32":
-        return False  # its reads fail
+        return False  # there reads fail instead
     import termios
 
     try:

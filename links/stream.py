@@ -1,9 +1,9 @@
-"""One TCP connection that never blocks, plain or TLS: what has come, what still has to go.
+"""One TCP connection that never blocks, plain or TLS, with the bytes that wait to be sent.
 
-    handshaking --handshake()--> established --> ended (``why``: in words, where there are any)
+    handshaking --handshake()--> established --> ended (``why``: the reason; may be "")
 
-TLS keeps bytes that a selector does not see: ``read`` leaves none behind. One call reads little
-more than ``READ`` bytes, so that a peer that floods waits its turn like everybody else.
+TLS buffers bytes that a selector does not see, so ``read`` empties that buffer. One call reads
+little more than ``READ`` bytes, so that a peer that floods does not delay the others.
 """
 
 from __future__ import annotations
@@ -15,11 +15,11 @@ import ssl
 BACKLOG = 1 << 18  # bytes waiting for one peer
 ROLE, VIEWER = "organizationalUnitName", "viewer"  # in the subject of a certificate
 READ = 8192  # bytes at a time
-GIVEN_UP = 20_000  # ms that sent bytes may stay without an acknowledgement
+GIVEN_UP = 20_000  # ms that sent bytes may stay unacknowledged by TCP
 KEEPALIVE = (10, 5, 3)  # s idle, s between probes, probes
 _AGAIN = (BlockingIOError, InterruptedError, ssl.SSLWantReadError, ssl.SSLWantWriteError)
 
-# OpenSSL's reasons, in words that say what to do; anything else is shown as it is
+# OpenSSL's reasons in plain words; others are shown as they are
 _REASONS = {
     "WRONG_VERSION_NUMBER": "it does not speak TLS",
     "HTTP_REQUEST": "it does not speak TLS",
@@ -31,7 +31,7 @@ _REASONS = {
     "TLSV1_ALERT_UNKNOWN_CA": "our certificate is not by its certificate authority",
     "TLSV1_ALERT_PROTOCOL_VERSION": "it speaks another version of TLS",
 }
-# what OpenSSL says of a certificate that is by our authority
+# OpenSSL's verify codes for a certificate of our own authority
 _VERIFY = {
     9: "it is not valid yet: is the clock right?",
     10: "it has expired: is the clock right?",
@@ -40,7 +40,7 @@ _VERIFY = {
 
 
 def tune(connected: socket.socket) -> None:
-    """Small frames at once; a peer whose radio is gone is found within half a minute."""
+    """Send small frames at once, and find a peer whose radio is gone within half a minute."""
     connected.setblocking(False)
     connected.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
     connected.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
@@ -51,7 +51,7 @@ def tune(connected: socket.socket) -> None:
         ("TCP_KEEPCNT", probes),
         ("TCP_USER_TIMEOUT", GIVEN_UP),
     ):
-        if hasattr(socket, option):  # Linux; elsewhere the system's own patience
+        if hasattr(socket, option):  # Linux; elsewhere the system's own timeouts
             connected.setsockopt(socket.IPPROTO_TCP, getattr(socket, option), value)
 
 
@@ -68,8 +68,8 @@ def in_words(error: OSError) -> str:
 
 
 class Stream:
-    """``came``: when it connected. ``heard``: when its last byte came. ``proved``: who it is, by a
-    certificate, or by what it said (``vouch``)."""
+    """One connection. ``came``: when it connected. ``heard``: when its last byte came. ``proved``:
+    whether it has proved itself, by a certificate or a valid frame (``TcpServer.vouch``)."""
 
     __slots__ = (
         "address", "came", "ended", "established", "heard", "host", "proved", "socket", "waiting",
@@ -87,7 +87,7 @@ class Stream:
         self.ended, self.why = False, ""
 
     def handshake(self) -> None:
-        """As far as it goes now."""
+        """Continue the TLS handshake as far as possible without blocking."""
         assert isinstance(self.socket, ssl.SSLSocket)
         try:
             self.socket.do_handshake()
@@ -100,13 +100,13 @@ class Stream:
 
     @property
     def is_viewer(self) -> bool:
-        """By its certificate it may look, and command nothing."""
+        """Whether its certificate is a viewer's, who may look but not command."""
         shown = self.socket.getpeercert() if isinstance(self.socket, ssl.SSLSocket) else None
         named = (shown or {}).get("subject", ())
         return any((ROLE, VIEWER) in row for row in named)
 
     def read(self) -> bytes:
-        """Sets ``ended`` when the other side is gone."""
+        """Return the bytes that have come. Sets ``ended`` when the other side is gone."""
         out = bytearray()
         while not out or (isinstance(self.socket, ssl.SSLSocket) and self.socket.pending()):
             try:

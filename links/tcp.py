@@ -3,10 +3,10 @@
     tcp://host:port              connects at once; LinkAbsent if nobody answers
     tcp-listen://host:port       port 0: any free one, see ``port``; peers by address "host:port"
 
-A server's ``fileno`` is that of a selector over all its sockets, so that an event loop watches one
-number. Who may connect is what its options say (admission); ``refusals`` tells who was turned away
-or dropped. Bytes that a peer does not take wait for it; a peer with more than ``BACKLOG`` waiting
-is dropped. A peer that went away is found by ``send`` (raises LinkClosed) and by ``peers``.
+A server's ``fileno`` is that of a selector over all its sockets, so an event loop watches one
+descriptor. The URL's options say who may connect (admission); ``refusals`` returns who was refused
+or dropped. Bytes that a peer does not take yet are kept; a peer with more than ``BACKLOG`` bytes
+waiting is dropped. A lost peer shows in ``send`` (raises LinkClosed) and in ``peers``.
 What does not live here: single connections (stream), TLS (tls), who may command (mission).
 """
 
@@ -27,12 +27,12 @@ from links.stream import BACKLOG, Stream, in_words, tune
 __all__ = ["BACKLOG", "TcpClient", "TcpServer", "host_and_port"]
 
 CONNECT_TIMEOUT = 5.0  # s
-STEPS = 4  # of handshakes at a time, the first who came first: they compute, and others wait
-ACCEPTS = 4  # connections taken at a time: those who left already make room before the next
-RECEIVE_BUFFER = 1 << 16  # bytes in the system, per peer: what an order may stand behind
+STEPS = 4  # handshakes per receive, oldest first: they take CPU time while others wait
+ACCEPTS = 4  # per receive: peers that have left free their places before the next ones
+RECEIVE_BUFFER = 1 << 16  # bytes in the kernel per peer: at most so many precede an X or W
 _UNWELCOME = "it admits nobody from here, or wants tls://; its journal says which"
 _VIEWER = "its certificate is a viewer's: it may look at the monitor's port alone"
-_REFUSALS = 64  # kinds of them that are told apart
+_REFUSALS = 64  # different ones that are counted separately
 
 
 def _address(sockaddr: tuple[object, ...]) -> str:
@@ -59,7 +59,7 @@ class TcpClient:
             raise LinkAbsent(f"{name}: nobody answers at {self._where}: {why}") from error
         try:
             peer = _address(connected.getpeername())
-        except OSError as error:  # it was reset as soon as it was there
+        except OSError as error:  # reset as soon as it was connected
             connected.close()
             raise LinkAbsent(f"{name}: {self._where} closed the connection at once") from error
         if tls is not None:
@@ -80,7 +80,7 @@ class TcpClient:
         return -1 if self._closed else self._peer.socket.fileno()
 
     def receive(self, now: float) -> list[Rx]:
-        """What came before an end is handed out first; the next call raises LinkClosed."""
+        """Return what has come. Bytes from before the end are returned first; then LinkClosed."""
         self._check_open()
         self._peer.write()
         data = self._peer.read()
@@ -143,11 +143,11 @@ class TcpServer:
 
     @property
     def peers(self) -> tuple[str, ...]:
-        """Addresses of those who are connected, in the order in which they came."""
+        """Addresses of the connected peers, in the order in which they connected."""
         return tuple(a for a, stream in self.streams.items() if stream.established)
 
     def refusals(self) -> Counter[Refusal]:
-        """Who was turned away or dropped, and how often, since the last call."""
+        """Who was refused or dropped, and how often, since the last call."""
         told, self.turned_away = self.turned_away, Counter()
         return told
 
@@ -165,7 +165,7 @@ class TcpServer:
         out = []
         for stream in [s for s in streams if s.established] + lobby[:STEPS]:
             if stream.address not in self.streams:
-                continue  # it had to make room for another just now
+                continue  # dropped a moment ago, to free its place for another
             if not stream.established:
                 stream.handshake()
                 if stream.established:
@@ -183,7 +183,7 @@ class TcpServer:
         return out
 
     def send(self, data: bytes, now: float, address: str = "") -> None:
-        """To one peer, or to all where no address is given."""
+        """Send to one peer, or to all if no address is given."""
         self._check_open()
         if not address:
             for peer in self.peers:
@@ -198,11 +198,11 @@ class TcpServer:
             raise LinkClosed(f"{self.name}: {address} is not connected any more")
 
     def next_event(self) -> float | None:
-        """When the next silent connection is to be dropped."""
+        """When the next silent connection is due to be dropped."""
         return min((self._deadline(stream) for stream in self.streams.values()), default=None)
 
     def vouch(self, address: str) -> None:
-        """What came from there makes sense to who reads it."""
+        """Note that the peer has sent a valid frame: it has proved itself."""
         if address in self.streams:
             self.streams[address].proved = True
 
@@ -228,7 +228,7 @@ class TcpServer:
                 connected, sockaddr = self._listener.accept()
             except BlockingIOError:
                 return
-            except OSError as error:  # the peer left already, or there are no descriptors left
+            except OSError as error:  # the peer has left already, or no descriptors are left
                 if error.errno in (errno.EMFILE, errno.ENFILE):
                     return
                 continue
@@ -238,7 +238,7 @@ class TcpServer:
                 connected.close()
 
     def _admit(self, connected: socket.socket, sockaddr: tuple[object, ...], now: float) -> str:
-        """Why not; "" if it was."""
+        """Admit a connection. Return why not; "" if it was admitted."""
         host = str(sockaddr[0])
         if why := self._gate.forbids(host):
             return why
@@ -261,14 +261,14 @@ class TcpServer:
         return ""
 
     def _enter(self, stream: Stream, now: float) -> None:
-        """From the lobby."""
+        """Take a peer from the lobby into the connected ones, or end it with the reason."""
         stream.established = False
         may = self._admission.viewers or not stream.is_viewer
         stream.why = self._make_room(stream.host, now) if may else _VIEWER
         stream.established, stream.ended = True, bool(stream.why)
 
     def _make_room(self, host: str, now: float) -> str:
-        """Why there is none; "" if there is now."""
+        """Free a place if need be. Return why none is free; "" if one is now."""
         gives_way, why = self._gate.room(host, self._present(established=True), now)
         self._give_way(gives_way)
         return why
@@ -286,7 +286,7 @@ class TcpServer:
         ]
 
     def _settle(self, stream: Stream) -> None:
-        """Watch for room only while something waits; let go of who has left."""
+        """Watch for writability only while bytes wait. Drop a stream that has ended."""
         if stream.ended:
             if stream.why:
                 self._refuse(stream.host, stream.why)
@@ -327,7 +327,7 @@ def _why_not_listening(name: str, host: str, port: int, error: OSError) -> LinkE
 
 
 def host_and_port(address: Address) -> tuple[str, int]:
-    """Raises LinkAddressError."""
+    """Host and port of a URL. Raises LinkAddressError."""
     if not address.host or address.port is None or address.path not in ("", "/"):
         raise LinkAddressError(
             f"{address.url}: write {address.scheme}://host:port, e.g. "
@@ -337,7 +337,7 @@ def host_and_port(address: Address) -> tuple[str, int]:
 
 
 def settings(address: Address) -> tuple[str, int, Admission]:
-    """Host, port and, for who listens, who may connect. Raises LinkAddressError."""
+    """Host, port and, for a server, who may connect. Raises LinkAddressError."""
     return *host_and_port(address), admission_of(address)
 
 

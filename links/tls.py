@@ -1,12 +1,13 @@
 """TLS 1.3 with certificates on both ends, over the same sockets as tcp.
 
-    tls://host:port?keys=FOLDER          as tcp://; handshake=5: s that it may take
+    tls://host:port?keys=FOLDER          as tcp://; handshake=5: s that the handshake may take
     tls-listen://host:port?keys=FOLDER   as tcp-listen://, with all its options
 
 FOLDER (default ``~/.config/auvmission/keys``) holds ca.pem, cert.pem and key.pem, as `auvmission
-keys` makes them. The authority signs nothing but this vehicle and its boats, and a certificate
-says which of the two it is for: so the name or address under which the vehicle is reached need not
-stand in it, and a boat cannot pose as the vehicle. What does not live here: making keys (mission).
+keys` makes them. The authority signs only the certificates of this vehicle, its boats and its
+viewers, and each certificate states the role of its owner. So a certificate need not contain the
+vehicle's host name or address, and a boat cannot pose as the vehicle.
+What does not live here: making keys (mission).
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ FILES = ("ca.pem", "cert.pem", "key.pem")
 
 
 def context(folder: Path, *, server: bool) -> ssl.SSLContext:
-    """Raises LinkAbsent where the folder does not hold what is needed (it may come)."""
+    """Return a TLS context. Raises LinkAbsent if the folder lacks a file (it may come later)."""
     made = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER if server else ssl.PROTOCOL_TLS_CLIENT)
     made.minimum_version = ssl.TLSVersion.TLSv1_3
     made.check_hostname = False

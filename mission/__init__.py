@@ -1,3 +1,3 @@
-"""What to do: missions, the state machine that flies them, and everything around it."""
+"""Missions, the state machine that flies them, and everything around it."""
 
 __version__ = "0.1.0"

@@ -1,4 +1,4 @@
-"""``auvmission``, and ``python -m mission``. If ``serve`` cannot be loaded, the lifeboat is."""
+"""``auvmission``, and ``python -m mission``. Runs the lifeboat if ``serve`` cannot be loaded."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def main() -> None:
 
 
 def _lower_lifeboat(error: Exception) -> None:
-    """Brings the vehicle up without the program, whatever failed: an import, a damaged file."""
+    """Bring the vehicle up without the program, whatever failed: an import, a damaged file."""
     from mission.onboard.lifeboat import launch, plan_from
 
     traceback.print_exception(error)

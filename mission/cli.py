@@ -1,6 +1,6 @@
-"""The command line: names and help only; each command's module is imported when it is called.
+"""The command line: names and help only. A command's module is imported when it is called.
 
-A new command is one file in ``mission.commands``, one row here, and one in ``examples``:
+A new command needs a file in ``mission.commands``, a row here, and a row in ``examples``. Command
 ``foo-bar`` is the click command ``foo_bar`` of its module.
 """
 
@@ -17,7 +17,7 @@ import click
 from mission import __version__
 from mission.commands.examples import epilog
 
-INTERRUPTED = 128 + signal.SIGINT  # exit code, as a shell has it
+INTERRUPTED = 128 + signal.SIGINT  # exit code, as in a shell
 
 # name -> module in mission.commands, in the order of the help page
 COMMANDS = {
@@ -86,8 +86,8 @@ class _Lazy(click.Group):
         return found
 
     def invoke(self, ctx: click.Context) -> Any:
-        """Ends with 130 on Ctrl-C, outside the handler: the exception and the frames that it holds
-        are freed first."""
+        """Exit with 130 on Ctrl-C. The exit is outside the handler, so that the exception and the
+        frames that it holds are freed first."""
         try:
             return super().invoke(ctx)
         except KeyboardInterrupt:
@@ -95,7 +95,7 @@ class _Lazy(click.Group):
         return ctx.exit(INTERRUPTED)
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        """Whole first sentences: click's own page cuts them off where the line ends."""
+        """Print whole first sentences; click itself would cut them at the end of the line."""
         commands = [(name, self.get_command(ctx, name)) for name in self.list_commands(ctx)]
         rows = [(name, found.get_short_help_str(limit=200)) for name, found in commands if found]
         with formatter.section("Commands"):
@@ -103,7 +103,7 @@ class _Lazy(click.Group):
 
 
 def _function(command: str) -> str:
-    """``foo-bar`` is foo_bar; a keyword of Python gets an underscore behind it."""
+    """The function of ``foo-bar``: foo_bar. After a keyword of Python comes an underscore."""
     name = command.replace("-", "_")
     return f"{name}_" if keyword.iskeyword(name) else name
 
@@ -113,7 +113,7 @@ def _exists(module: str) -> bool:
 
 
 def _tell_version(ctx: click.Context, _option: click.Parameter, asked: bool) -> None:
-    """``auvmission, version 1.0, pure Python``. The build is looked up for this alone."""
+    """Print ``auvmission, version 1.0, pure Python``. Only this option looks up the build."""
     if not asked or ctx.resilient_parsing:
         return
     from mission.model.compiled import build

@@ -1,1 +1,1 @@
-"""What bytes mean. Sans-IO and clockless: no sockets, no ports, no time of its own."""
+"""Codecs: bytes to messages and back. Sans-IO: no sockets, no serial ports, no clock."""

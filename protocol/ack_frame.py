@@ -1,6 +1,7 @@
-"""``@ACK_``: what became of a word, or a mask. The letters of the operator's words are their rows'.
+"""The acknowledgement ``@ACK_``: the result of a command, or a mask of nodes or sensors.
 
-What does not live here: the words (``protocol.operator_words``).
+What does not live here: the operator's commands, whose rows have the result letters
+(``protocol.operator_words``).
 """
 
 from __future__ import annotations
@@ -18,14 +19,16 @@ from protocol.topside_frames import ALWAYS_ON, SENSORS, letters_of
 class AckFrame(FrameType):
     """``@ACK_`` class function result ``$``, 9 bytes by length (000 tables 2.1.1 and 3.1).
 
-    The result is a letter (S for done, N for refused, Y or N for Z) or, for NI and RI, a raw mask.
+    The result is a letter or, for NI and RI, a raw mask byte. For Z the letter is Y or N, for the
+    other commands their own letter for done (as A in ``@ACK_AAA$``) or N for refused.
     """
 
     name, title, lead, length = "auv.ACK", "000 tables 2.1.1 and 3.1", b"@ACK_", 9
     Z_CODES = "FBLRUDSEHAVXW"
 
     def __init__(self, groups: str, tolerances: Tolerances, z_codes: str = Z_CODES) -> None:
-        """``groups``: the classes that this link carries, of N A S R Z."""
+        """``groups``: the classes that this link carries, of N A S R Z. ``z_codes``: the Z codes
+        that it acknowledges."""
         rs = "SYN" if tolerances.on("rs_yn") else "S"
         table = {word.code: word.letter + "N" for word in WORDS.values() if word.letter}
         table |= {"RS": rs}

@@ -1,21 +1,21 @@
-"""Sensors that a user adds, on a line of their own: what they say becomes Aids.
+"""Sensors that a user adds on a separate line: their sentences and ensembles become Aids.
 
     $--VHW,deg,T,deg,M,knots,N,km/h,K*hh             speed through the water
     $--VBW,knots,knots,A,knots,knots,A[,...]*hh      ahead and across: in the water, over ground
-    $--GLL, $--GGA                                   where it is, from outside: an acoustic system
-    $CAMPR,number,own,seconds*hh                     one way from a beacon: an acoustic modem (WHOI
-                                                     Micro-Modem, answer to a ping)
+    $--GLL, $--GGA                                   position from an acoustic positioning system
+    $CAMPR,number,own,seconds*hh                     one-way travel time from a beacon: an acoustic
+                                                     modem (WHOI Micro-Modem, answer to a ping)
     :WS,mm/s,mm/s,mm/s,A   :BS,...                   a Doppler log (PD6): starboard, ahead, up;
                                                      through the water, and over ground
     7F 7F ...                                        the same, binary (PD0)
 
-A line ends with CR or LF. NMEA must carry its checksum; PD6 has none, so every field of it must be
-as it should. What a sensor itself calls invalid (V, 99999 and the like) is no Aid. Other sentences
-are passed over; what is none is a FrameFault. A binary ensemble begins where its mark is, and is
-as long as it says.
+A line ends with CR or LF. An NMEA sentence must carry its checksum. PD6 has no checksum, so each of
+its fields must be well-formed. A value that the sensor itself marks as invalid (V, 99999 and
+similar) gives no Aid. Other sentences are ignored; anything that is no sentence is a FrameFault. A
+binary ensemble begins at its mark, and its header gives its length.
 
-What does not live here: what is believed of it (mission.navigation.added), the receiver (nmea),
-what an ensemble holds (pd0).
+What does not live here: whether an Aid is believed (mission.navigation.added), the GPS receiver
+(nmea), the contents of an ensemble (pd0).
 """
 
 from __future__ import annotations
@@ -31,11 +31,11 @@ from protocol.nmea_fields import KNOT, Refused, read_gga, read_gll
 WATER, GROUND, PLACE = "water", "ground", "place"  # the kinds of Aids
 RANGE = "range"
 LONGEST = 160  # bytes of a line
-UNFINISHED = 1.0  # s after its first byte a line is given up (G3)
-FASTEST = 20.0  # m/s: faster is no vehicle of ours
-LATEST = 20.0  # s that sound may take from a beacon
+UNFINISHED = 1.0  # s after its first byte: an unfinished line is given up (G3)
+FASTEST = 20.0  # m/s: no vehicle of ours is faster
+LATEST = 20.0  # s: longest travel time of sound from a beacon
 
-_WINDOW = pd0.LARGEST + pd0.TOLD  # bytes that are looked at for one piece
+_WINDOW = pd0.LARGEST + pd0.TOLD  # bytes that are searched for one line or ensemble
 
 _Said = Iterator[tuple[str, tuple[float, ...]]]
 
@@ -53,7 +53,7 @@ class _Unfit(ValueError):
 
 
 def _speed(text: str) -> float:
-    """Knots to m/s."""
+    """Convert knots to m/s. Raises _Unfit."""
     if _SPEED.fullmatch(text) is None or abs(float(text)) * KNOT > FASTEST:
         raise _Unfit
     return float(text) * KNOT
@@ -88,7 +88,7 @@ def _gga(fields: list[str]) -> _Said:
 
 
 def _mpr(fields: list[str]) -> _Said:
-    """Newer modems say more behind it."""
+    """Read beacon and travel time. Newer modems append further fields."""
     if len(fields) < 3 or _BEACON.fullmatch(fields[0]) is None:
         raise _Unfit
     if not fields[2]:
@@ -121,7 +121,7 @@ def _doppler(match: re.Match[str]) -> _Said:
 
 
 def _read(line: str) -> _Said:
-    """Raises _Unfit or Refused for what is no line of such a sensor."""
+    """Read one line. Raises _Unfit or Refused if it is no line of such a sensor."""
     if (pd6 := _PD6.fullmatch(line)) is not None:
         yield from _doppler(pd6)
     elif (nmea := _NMEA.fullmatch(line)) is not None or _OTHER.fullmatch(line):
@@ -137,7 +137,7 @@ def _read(line: str) -> _Said:
 
 
 class AddedDecoder:
-    """The stream of one line. An Aid bears the time of its line's first byte."""
+    """Decode the stream of one line. ``Aid.t`` is the arrival of the sentence's first byte."""
 
     def __init__(self) -> None:
         self._buffer, self._begun, self._offset = b"", 0.0, 0
@@ -152,7 +152,7 @@ class AddedDecoder:
         while rest and (
             used := self._piece(rest[:_WINDOW], self._begun if held > 0 else now, at, out)
         ):
-            at += len(rest[:used].rstrip(b"\r\n")) + 1  # as records have it: one byte for any end
+            at += len(rest[:used].rstrip(b"\r\n")) + 1  # offsets count any line end as one byte
             rest, held = rest[used:], held - used
         if rest and held <= 0:
             self._begun = now
@@ -160,8 +160,8 @@ class AddedDecoder:
         return out
 
     def _piece(self, rest: bytes, begun: float, at: int, out: list[Aid | FrameFault]) -> int:
-        """Takes the line or the ensemble that ``rest`` begins with, and says how long it was; 0:
-        it is not whole yet."""
+        """Read the line or ensemble at the start of ``rest``; return its length in bytes, 0 if it
+        is incomplete."""
         size = pd0.length(rest)
         if isinstance(size, int):
             if len(rest) < size:
@@ -184,7 +184,8 @@ class AddedDecoder:
 
     @staticmethod
     def _binary(data: bytes, begun: float, at: int, out: list[Aid | FrameFault]) -> int:
-        """Of what is none the mark alone is passed over: a line may begin within it."""
+        """Read an ensemble; return the bytes used. If its sum is wrong only the mark is skipped:
+        a line may begin within the rest."""
         try:
             out += [Aid(begun, kind, values) for kind, values in list(_ensemble(data))]
         except pd0.Unfit as error:

@@ -1,25 +1,25 @@
-"""Stop and wait under water: one asks, the other answers, and nobody talks over anybody (R1, R15).
+"""Stop-and-wait over the acoustic modem: topside asks, the vehicle answers (R1, R15).
 
     topside   Initiator  --- content (whole frames) --->  Responder   vehicle
                          <-- one content of answers ----
 
 Rules:
-  * One request is outstanding. It is repeated when the answer has not come within
+  * One request at a time is outstanding. It is repeated if no answer has arrived within
         2 x slant range / 1500 m/s + way of request and of the longest answer + 2 s
-    (a way: the airtime, and the serial lines of both modems)
-    and given up after ``tries``: then it is ``NoAnswer``, nothing is assumed. What is asked must
-    be harmless twice; the envelope has no number that would tell a repetition.
-  * A request may be several contents in one burst, each in an envelope of its own: a wrong bit
-    spoils one of them, and the vehicle does not speak while the next is coming in. A content that
-    is still coming ``HELD`` after the last request is noise, and keeps no answer back.
-  * The vehicle speaks when asked: what it has to say within ``FLOOR`` of a request goes out as one
-    content; what comes later waits for the next request. R11's status on surfacing is the one
-    exception (``unasked``), and it waits for a quiet moment, in noise for ``NOISE`` at most.
-  * An ``@AR`` in an answer makes the ``@ACK_AW`` beside it superfluous: they are left out (R4).
+    (way: the airtime, and the time on the serial lines of both modems). After ``tries`` the result
+    is ``NoAnswer``; nothing is assumed. A request must be harmless if it is received twice: the
+    envelope has no sequence number that would show a repetition.
+  * A request may be several contents in one burst, each in its own envelope. A bit error then
+    spoils one of them only. The vehicle does not answer while the next content is arriving. A
+    content still unfinished ``HELD`` after the last request is noise, and delays no answer.
+  * The vehicle sends when it is asked. Frames that are ready within ``FLOOR`` of a request go out
+    as one content; later frames wait for the next request. The one exception is R11's status on
+    surfacing (``unasked``): it waits until the line is quiet, in noise for ``NOISE`` at most.
+  * If an answer contains an ``@AR``, the ``@ACK_AW`` frames beside it are left out (R4).
 
-Time is a parameter: ``outgoing`` and ``receive`` are called when bytes come and at ``next_timer``.
+Time is a parameter: call ``outgoing`` and ``receive`` when bytes arrive and at ``next_timer``.
 
-What does not live here: the envelope (protocol.modem), what is asked (protocol.batch, mission).
+What does not live here: the envelope (protocol.modem), the requests (protocol.batch, mission).
 """
 
 from __future__ import annotations
@@ -44,18 +44,18 @@ from protocol.tolerances import Tolerances
 SOUND_SPEED = 1500.0  # m/s
 TURNAROUND = 2.0  # s: R1's allowance for modems and programs at both ends
 TRIES = 2
-FLOOR = 1.5  # s after a request in which it may be answered; less than TURNAROUND
-GATHER = 0.2  # s without a further answer: the answer is complete
-HELD = FLOOR - GATHER  # s after a request; the longest content takes 0.3 s at the pace of the line
-NOISE = 60.0  # s without a request, in which bytes that are none keep an unasked word back
-WAITING = 256  # frames of the vehicle that wait to be asked for; beyond, the oldest go
+FLOOR = 1.5  # s after a request: until then it may be answered; less than TURNAROUND
+GATHER = 0.2  # s without a further frame: the answer is complete
+HELD = FLOOR - GATHER  # s after a request; the longest content takes 0.3 s at the line's rate
+NOISE = 60.0  # s without a request: noise delays an unasked frame no longer than this
+WAITING = 256  # frames of the vehicle that wait for a request; beyond, the oldest are dropped
 
 
 @dataclass(frozen=True, slots=True)
 class Acoustics:
-    """What timeouts follow from. ``range_m`` is the greatest slant range that is expected;
-    ``preamble`` the seconds a modem needs before the data; ``baud`` the rate of the serial lines,
-    taken to be alike at both ends."""
+    """The parameters of the timeouts. ``range_m``: greatest slant range expected. ``preamble``:
+    seconds that a modem needs before the data. ``baud``: rate of the serial lines, assumed to be
+    the same at both ends."""
 
     range_m: float
     bit_rate: float  # bit/s on the water
@@ -63,11 +63,11 @@ class Acoustics:
     baud: float = BAUD
 
     def airtime(self, content: int) -> float:
-        """Seconds on the water of a content of so many bytes, with its envelope."""
+        """Return the airtime, s, of ``content`` bytes with their envelope."""
         return self.preamble + 8.0 * (content + OVERHEAD) / self.bit_rate
 
     def way(self, content: int) -> float:
-        """Seconds through both modems, each of which takes it in whole before it says it."""
+        """Return the time, s, through both modems; each stores a content whole before it sends."""
         return self.airtime(content) + 2.0 * BITS_PER_BYTE * (content + OVERHEAD) / self.baud
 
     def patience(self, request: int, answer: int) -> float:
@@ -93,7 +93,7 @@ class NoAnswer:
 
 @dataclass(frozen=True, slots=True)
 class Unasked:
-    """The other side spoke while nothing was outstanding, or too late."""
+    """The other side sent a content that answers no outstanding request, or came too late."""
 
     content: bytes
     t: float
@@ -114,7 +114,7 @@ class _Outstanding:
 
 
 class Initiator:
-    """The side that asks."""
+    """The side that sends requests."""
 
     def __init__(
         self,
@@ -141,8 +141,9 @@ class Initiator:
         matches: Callable[[bytes], bool] = bool,
         ahead: Sequence[bytes] = (),
     ) -> None:
-        """Only while ``idle``. A content for which ``matches`` is false is no answer to this.
-        ``ahead``: contents that go before it in the same burst, each in an envelope of its own."""
+        """Take a request; only while ``idle``, else ValueError. ``longest_answer``: bytes. A
+        content for which ``matches`` is false is no answer to it. ``ahead``: contents sent before
+        it in the same burst, each in its own envelope."""
         if self._request is not None:
             raise ValueError("one request at a time: the one before is not answered yet")
         burst = b"".join(wrap(each, self._address) for each in (*ahead, content))
@@ -150,7 +151,7 @@ class Initiator:
         self._request = _Outstanding(content, burst, wait, matches, tries)
 
     def outgoing(self, now: float) -> list[bytes]:
-        """What is to be sent now. A request that is out of tries is told by ``receive``."""
+        """Return what to send now. ``receive`` reports a request that is out of tries."""
         request = self._request
         if request is None or request.tries == 0 or (request.sent and now < request.deadline):
             return []
@@ -172,7 +173,7 @@ class Initiator:
         return out
 
     def next_timer(self) -> float | None:
-        """When ``receive`` (with nothing, if need be) and then ``outgoing`` are due."""
+        """Return when ``receive`` (with b"" if nothing came) and then ``outgoing`` are due."""
         request = self._request
         due = None if request is None or not request.sent else request.deadline
         return _first(due, self._codec.next_timer())
@@ -186,7 +187,7 @@ class Initiator:
 
 
 class Responder:
-    """The side that answers."""
+    """The side that answers requests."""
 
     def __init__(
         self,
@@ -198,19 +199,19 @@ class Responder:
         self._address = address
         self._codec = ModemCodec(tolerances, baud)
         self._waiting: deque[bytes] = deque(maxlen=WAITING)
-        self._floor = -1.0  # until when we may speak
-        self._complete = 0.0  # when the answer is taken to be complete
+        self._floor = -1.0  # until when an answer may be sent
+        self._complete = 0.0  # when the answer counts as complete
         self._unasked: bytes | None = None
-        self._quiet = 0.0  # when an unasked word may go out
-        self._latest = 0.0  # when it does, whatever noise there is
+        self._quiet = 0.0  # from when on an unasked frame may be sent
+        self._latest = 0.0  # when it is sent in spite of noise
 
     @property
     def patience(self) -> float:
-        """s within which a content is whole, or given up (G3)."""
+        """Seconds after which an unfinished content is given up (G3)."""
         return self._codec.framer.patience
 
     def receive(self, data: bytes, now: float) -> list[Envelope | FrameFault]:
-        """Requests, whose content is for the owner to read and to ``answer`` frame by frame."""
+        """Return the requests. The caller reads their content and calls ``answer`` per frame."""
         if data:
             self._quiet = now + FLOOR
         out: list[Envelope | FrameFault] = []
@@ -228,7 +229,7 @@ class Responder:
         self._complete = max(self._complete, now + GATHER)
 
     def unasked(self, frame: bytes, now: float) -> None:
-        """One frame that does not wait for a request (R11); a newer one replaces it."""
+        """Take a frame that does not wait for a request (R11); a newer one replaces it."""
         if self._unasked is None:
             self._latest = now + NOISE
         self._unasked = frame
@@ -254,7 +255,8 @@ class Responder:
         return _first(due, self._codec.next_timer())
 
     def _answered_at(self) -> float:
-        """When it is complete, and no further content is on its way in, or one that is noise."""
+        """When the answer may go out: it is complete, and no further content is arriving. Bytes
+        that are still unfinished ``HELD`` after the request are noise."""
         if self._codec.next_timer() is None:
             return self._complete
         return max(self._complete, self._floor - FLOOR + HELD)
@@ -263,7 +265,7 @@ class Responder:
         return max(min(self._quiet, self._latest), self._floor)
 
     def _take(self) -> bytes:
-        """As many whole frames as one content holds, the oldest first."""
+        """Take as many whole frames as fit into one content, oldest first."""
         if any(frame.startswith(b"@AR,") for frame in self._waiting):
             kept = [frame for frame in self._waiting if not frame.startswith(b"@ACK_AW")]
             self._waiting = deque(kept, maxlen=WAITING)

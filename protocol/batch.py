@@ -1,22 +1,22 @@
-"""A mission over the acoustic modem: whole batches of lines, one question, then what is missing.
+"""Upload a mission over the acoustic modem: many lines in one burst, one question, then the rest.
 
     burst = [@AW line 1, @AW ...] [@AW ...] [@AW line 1, @AQ$]   -->
                                                                  <-- @AR state, missing, digest
-    each [ ] is a block: a modem frame with a CRC of its own
+    each [ ] is a block: a modem frame with its own CRC
 
 Rules:
-  * Line 1 goes first until the vehicle has reported our set: what it holds is ours only after that
-    (R3), and a line that is already held has no effect. With several blocks it goes last as well,
-    beside the question: a report is of our set only where line 1 is known to have come.
-  * No answer leaves open whether request or answer was lost. Lines that were in no burst yet go
-    with the next question; where there are none, a short question comes first if that takes less
-    time than the burst once more is likely to waste.
-  * Burst and blocks are as long as pays (protocol.sizing): up to 3200 bytes, in long blocks on a
-    channel that loses bursts whatever their length, a line a block on one that spoils bits. A
-    wrong bit costs its block alone: the vehicle says which lines it lacks.
-  * The vehicle's report is waited for as long as it should take, and after three silences as long
-    as the longest one (with a refusal in it) takes.
-  * Done is what the vehicle's digest proves, nothing else.
+  * Line 1 goes first until the vehicle has reported our set: only then are the lines that it holds
+    ours (R3). A line that it already holds has no effect. With several blocks line 1 is repeated in
+    the last one, beside the question: a report is of our set only if line 1 has surely arrived.
+  * Without an answer, either the request or the answer was lost. Lines that were in no burst yet go
+    with the next question. If there are none, a short question goes first, if it takes less time
+    than a repeated burst would probably waste.
+  * protocol.sizing chooses the lengths of burst and blocks: up to 3200 bytes, in long blocks on a
+    channel that loses whole bursts of any length, one line per block on a channel with bit errors.
+    A bit error costs one block only: the vehicle reports which lines it lacks.
+  * The timeout fits the expected report; after three silences it fits the longest one (with a
+    refusal in it).
+  * Only the vehicle's digest proves that the upload is done.
 
 What does not live here: when to repeat one request (protocol.arq), the mission's text and digest.
 """
@@ -35,7 +35,7 @@ from protocol.tolerances import Tolerances
 from protocol.topside import encode, to_topside_frames
 from protocol.topside_frames import LONG
 
-SILENCE = 24  # requests in a row without an answer: nobody is there (1 in 10^4 at 40 % loss)
+SILENCE = 24  # requests in a row without an answer: give up (1 in 10^4 at 40 % loss)
 NOT_IDLE = (
     "the vehicle is not in idle, where alone a mission can be uploaded: "
     "stop it and clear it at the surface first"
@@ -43,8 +43,8 @@ NOT_IDLE = (
 _QUESTION = encode(StoreQuery())
 _USUAL = 50  # bytes of an @AR beside its list of missing lines
 _GROWTH = 12  # bytes: the next report's list may have one range more
-_AHEAD = 2  # silences in a row in which lines still go that were in no burst yet
-_DOUBTS = 3  # silences after which the answer may have been longer than expected
+_AHEAD = 2  # silences in a row up to which lines that were in no burst yet still go out
+_DOUBTS = 3  # silences after which the answer may be longer than expected
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,14 +54,14 @@ class Stored:
 
 @dataclass(frozen=True, slots=True)
 class Declined:
-    """The vehicle holds all lines, or is busy, and says why it does not store them."""
+    """The vehicle does not store the mission; ``why``: its refusal, or that it is not in idle."""
 
     why: str
 
 
 @dataclass(frozen=True, slots=True)
 class Silent:
-    """No answer; what the vehicle holds is not known."""
+    """No answer; it is not known which lines the vehicle holds."""
 
 
 Outcome = Stored | Declined | Silent
@@ -69,14 +69,14 @@ Outcome = Stored | Declined | Silent
 
 @dataclass(frozen=True, slots=True)
 class Block:
-    """Lines by number, but for a line 1 that leads the burst, and the frames of all."""
+    """Frames for one envelope. ``numbers``: their lines, without a line 1 that leads the burst."""
 
     numbers: tuple[int, ...]
     content: bytes
 
 
 class BatchUpload:
-    """Drive it like an Initiator until ``outcome`` is there. ``digest``: 16 hex digits."""
+    """One upload. Call it like an Initiator until ``outcome`` is set. ``digest``: 16 hex digits."""
 
     def __init__(
         self,
@@ -92,7 +92,7 @@ class BatchUpload:
         self._arq = Initiator(acoustics, tolerances=tolerances)
         self._channel = Channel(acoustics)
         self._silence = 0
-        self._usual = _USUAL  # bytes of answer to reckon with
+        self._usual = _USUAL  # bytes of answer to expect
         self._ours = False  # the vehicle has reported a set that began with our line 1
         self._bursts: list[list[Block]] = []  # with lines, since the last report
         self._asking = False  # the outstanding request is the short question
@@ -125,7 +125,7 @@ class BatchUpload:
         return b"" if self._ours else self.frames[0]
 
     def _send_lines(self, numbers: Sequence[int]) -> None:
-        """As many of them as pay, in blocks as long as pays."""
+        """Send as many of these lines, in blocks as long, as is best for the channel."""
         head = self._head()
         wanted = [n for n in numbers if n > 1 or not head]
         left = sum(len(self.frames[n - 1]) for n in wanted)
@@ -137,7 +137,7 @@ class BatchUpload:
         self._asking = False
         if len(blocks) == 1:
             self._ask([], blocks[0].content + _QUESTION)
-        else:  # line 1 once more, where it proves whose set is reported
+        else:  # line 1 again, in the same block: it proves that the report is of our set
             self._ask([block.content for block in blocks], head + _QUESTION)
 
     def _packed(self, wanted: Sequence[int], plan: Plan) -> list[Block]:
@@ -179,7 +179,8 @@ class BatchUpload:
             self._send_lines(self.missing)
 
     def _judge(self, report: StoreReport) -> None:
-        """The question went with line 1 in one block, unless the set is known to be ours."""
+        """Decide what follows from a report. Its question was in one block with line 1, unless the
+        vehicle's set is known to be ours."""
         total = len(self.frames)
         if report.digest == self._digest and report.state in ("ready", "running"):
             self.missing, self.outcome = (), Stored()
@@ -190,12 +191,12 @@ class BatchUpload:
             self._learn_blocks(report.have)
         elif report.refusal and not self._ours:
             self.outcome = Declined(report.refusal)
-        else:  # the set was dropped: from the beginning
+        else:  # the vehicle has dropped the set: start again
             self._ours, self.missing = False, tuple(range(1, total + 1))
         self._bursts = []
 
     def _learn_blocks(self, have: int) -> None:
-        """What became of each block, where the report tells it of lines that were sent once."""
+        """Learn which blocks arrived, as far as the report shows it. ``have``: lines held."""
         missing = set(self.missing)
         is_whole = have + len(missing) == len(self.frames)  # else the list of the rest is cut
         known = len(self.frames) if is_whole else max(missing, default=0)
@@ -203,7 +204,7 @@ class BatchUpload:
             told = [block for block in burst if block.numbers and block.numbers[-1] <= known]
             came = [not missing.intersection(block.numbers) for block in told]
             if have == 1 or not any(came):
-                continue  # line 1 or the burst was lost: that says nothing of the others
+                continue  # line 1 or the burst was lost: no evidence about blocks
             for block, whole in zip(told, came, strict=True):
                 self._channel.learn_block(len(block.content), came=whole)
 
@@ -219,7 +220,7 @@ class BatchUpload:
             self._send_lines([n for block in self._bursts[-1] for n in block.numbers])
 
     def _asking_pays(self) -> bool:
-        """Before the last burst is said again."""
+        """Whether to send a short question before the last burst is repeated."""
         last = self._bursts[-1]
         size, sent = sum(len(block.content) for block in last), self._bursts.count(last)
         task = Task(size, size, len(self._head()), self._usual, self._longest())

@@ -1,11 +1,12 @@
-"""The checksums of the four documents, and the readings of the ``@SD`` one that a capture may need.
+"""Checksums of the four documents, and other readings of the ``@SD`` CRC that a capture may need.
 
     crc32_stm32    000 @SD   CRC-32/MPEG-2 over byte-swapped words (E-V19)
     crc16_modbus   000 modem
     xor8           002
-    sum255         004       (mod 255 never gives FF, E-P2), sum256 as its tolerance; 003 is sum256
+    sum255         004       mod 255 never gives FF (E-P2); sum256 as tolerance
+    sum256         003
 
-What does not live here: which bytes a checksum covers. That stands in the frame's table.
+What does not live here: which bytes a checksum covers; the frame's table has that.
 """
 
 from __future__ import annotations
@@ -34,7 +35,7 @@ def crc16_modbus(data: bytes) -> int:
 
 
 def xor8(data: bytes) -> int:
-    """XOR of every byte, as one big-integer fold over halves would cost more than this loop."""
+    """XOR of all bytes."""
     value = 0
     for byte in data:
         value ^= byte
@@ -50,7 +51,7 @@ def sum256(data: bytes) -> int:
 
 
 def crc32_stm32(data: bytes) -> int:
-    """The STM32 CRC unit fed with little-endian words, the last one filled up with zeros."""
+    """CRC of the STM32's unit, fed with little-endian words, the last one padded with zeros."""
     words = array(_WORD, data + _ZEROS[len(data) & 3])
     words.byteswap()
     return _mpeg2(words)  # type: ignore[arg-type]  # any buffer will do
@@ -61,11 +62,12 @@ _REVERSED = bytes(int(f"{byte:08b}"[::-1], 2) for byte in range(256))
 
 
 def stm32_checker(length: int) -> Callable[[bytes, bytes], bool]:
-    """Whether so many bytes (whole words) have this ``crc32_stm32``, at half of its cost.
+    """Return a function that tests whether ``length`` bytes (whole words) have this
+    ``crc32_stm32``, at half of its cost.
 
-    Ethernet's CRC is the same polynomial with every byte read from its other end, and over bytes
-    with their own CRC behind them it is a constant. zlib has it faster than a table of crcmod; it
-    only confirms: what is sent, shown or searched for is computed above.
+    Ethernet's CRC has the same polynomial, but reads the bits of each byte in reverse. Over data
+    followed by its own CRC it is a constant. zlib computes it faster than crcmod's table. This
+    check only confirms a CRC: one that is sent, shown or searched for is computed above.
     """
     words = array(_WORD, bytes(length + 4))
     view = memoryview(words).cast("B")
@@ -114,7 +116,7 @@ def _byte_a_word(data: bytes) -> int:
 
 
 def _field_a_word(data: bytes) -> int:
-    """15 floats as they are, then every u16 alone in a word (the layout of ``@SD``)."""
+    """15 floats as they are, then each u16 in a word of its own (the layout of ``@SD``)."""
     floats, words = data[:60], data[60:]
     singles = b"".join(words[i : i + 2] + b"\0\0" for i in range(0, len(words), 2))
     return crc32_stm32(floats + singles)
@@ -151,7 +153,7 @@ READINGS = (
 
 @dataclass(frozen=True, slots=True)
 class SdProfile:
-    """A reading together with what it covers: ``data`` is 3..80 of the frame, ``frame`` 0..80."""
+    """A reading and the bytes that it covers: ``data`` 3..80 of the frame, ``frame`` 0..80."""
 
     name: str
     first: int
@@ -168,7 +170,7 @@ SD_DEFAULT = "words/data"
 
 
 def find_sd_crc_profile(frame: bytes) -> tuple[str, ...]:
-    """Names of all profiles under which this 86-byte frame is right; the normative one first."""
+    """Return the names of all profiles whose CRC fits this 86-byte frame, the normative first."""
     stored = int.from_bytes(frame[81:85], "little")
     return tuple(p.name for p in SD_PROFILES if p.compute(frame[p.first : 81]) == stored)
 

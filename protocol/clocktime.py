@@ -21,12 +21,12 @@ SLASHES = re.compile(f"([0-9]{{4}})/([0-9]{{2}})/([0-9]{{2}}) {_CLOCK}")
 DASHES = re.compile(f"([0-9]{{4}})-([0-9]{{2}})-([0-9]{{2}})-{_CLOCK}")
 ISO = re.compile(f"([0-9]{{4}})-([0-9]{{2}})-([0-9]{{2}})T{_CLOCK}")
 
-YEARS = range(1970, 2100)  # that a vehicle's clock is set to (R10)
+YEARS = range(1970, 2100)  # to which a vehicle's clock may be set (R10)
 Clock = tuple[int, ...]  # year, month, day, hour, minute, second
 
 
 def split(text: str, form: re.Pattern[str]) -> Clock:
-    """Raises Refused for another form."""
+    """Read a time written in ``form``. Raises Refused for any other form."""
     match = form.fullmatch(text)
     if match is None:
         raise Refused(FaultKind.NON_NUMERIC)
@@ -39,7 +39,7 @@ def split_compact(text: str) -> Clock:
 
 
 def real(clock: Clock) -> bool:
-    """A time of a real calendar day; second 60 is none."""
+    """Whether this time exists on the calendar; second 60 does not."""
     year, month, day, hour, minute, second = clock
     try:
         datetime.datetime(year, month, day, hour, minute, second)  # noqa: DTZ001  # no zone meant
@@ -54,14 +54,14 @@ def iso(clock: Clock) -> str:
 
 
 def checked(clock: Clock) -> str:
-    """Raises Refused for a time that no calendar has, or no clock is set to."""
+    """Return the time in ISO form. Raises Refused if it is not real or outside YEARS."""
     if clock[0] not in YEARS or not real(clock):
         raise Refused(FaultKind.OUT_OF_RANGE)
     return iso(clock)
 
 
 def encodable(values: Mapping[str, Any], frame: str) -> Clock:
-    """The value ``time``; raises CannotEncode."""
+    """Read the value ``time``. Raises CannotEncode."""
     text = required(values, "time", frame)
     match = ISO.fullmatch(text) if isinstance(text, str) else None
     clock = tuple(map(int, match.groups())) if match else ()

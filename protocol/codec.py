@@ -1,7 +1,7 @@
-"""What the runtime asks of every codec, and nothing else. The rows are in ``protocol.vehicles``.
+"""The interface that the runtime needs of a vehicle's codec. The rows are in ``protocol.vehicles``.
 
-A codec is sans-IO: bytes and times go in, messages come out. A candidate frame that stays
-unfinished is given up after an idle time (G3): that is what ``next_timer`` is for.
+A codec is sans-IO: bytes and times go in, messages come out. An unfinished candidate frame is given
+up after an idle time (G3): ``next_timer`` returns when.
 """
 
 from __future__ import annotations
@@ -16,14 +16,14 @@ Received = Telemetry | Ack | FrameFault
 
 
 class CannotEncode(ValueError):
-    """The vehicle has no word for this value; says which field, why, and what is possible."""
+    """No frame can carry this value. The text names the field, the reason and what is possible."""
 
 
 @dataclass(frozen=True, slots=True)
 class Granularity:
-    """The steps in which a vehicle can be told what to hold, m and rad; 0: as fine as a float.
+    """Steps of the values that a vehicle can be asked to hold, m and rad; 0: as fine as a float.
 
-    ``encode`` takes what lies between two steps and sends the nearer one.
+    ``encode`` rounds a value to the nearest step.
     """
 
     depth: float = 0.0
@@ -36,36 +36,36 @@ FINE = Granularity()
 
 
 class VehicleCodec(Protocol):
-    """Telemetry in, Setpoint out, for one link to one vehicle. ``levels``: what its channels are,
-    by name."""
+    """Telemetry in, Setpoint out, for one link to one vehicle. ``levels``: the present level of
+    each of its channels, by name."""
 
     levels: Mapping[str, float]
 
     def receive(self, data: bytes, now: float) -> list[Received]:
-        """Everything that is complete with these bytes, in their order."""
+        """Return the messages that these bytes complete, in order."""
         ...
 
     def next_timer(self) -> float | None:
-        """When ``flush`` is due, or None."""
+        """Return when ``flush`` is due, or None."""
         ...
 
     def flush(self, now: float) -> list[Received]:
-        """Give up what has been unfinished for the idle time, and yield what it held back."""
+        """Give up a candidate that was unfinished for the idle time. Return what it held back."""
         ...
 
     def meaning_of_no(self, frame: bytes) -> str:
-        """Why the vehicle has probably refused this frame, "" if nothing is known."""
+        """Return why the vehicle has probably refused this frame, "" if nothing is known."""
         ...
 
     def encode(self, setpoint: Setpoint | Order) -> list[bytes]:
-        """Frames to send in this order, each after the answer to the one before.
+        """Return frames to send in this order, each after the answer to the one before.
 
-        Raises CannotEncode for what the vehicle cannot follow.
+        Raises CannotEncode if the vehicle cannot follow the setpoint.
         """
         ...
 
     def take_outputs(self, levels: Mapping[str, float]) -> dict[str, bytes]:
-        """What these channels beside the motion shall be from now on (protocol.vehicles.channels):
-        the frames that say so by themselves, by what they set; what rides with the motion is in
-        every later ``encode``. Raises CannotEncode."""
+        """Set these output channels from now on (protocol.vehicles.channels). Return the frames to
+        send for them, by what each frame sets. Channels that the motion's frames carry are in every
+        later ``encode`` instead. Raises CannotEncode."""
         ...

@@ -1,6 +1,6 @@
 """A frame's layout as boxes of characters, and tables in Markdown.
 
-What does not live here: what stands in them (protocol.reference).
+What does not live here: their contents (protocol.reference).
 """
 
 from __future__ import annotations
@@ -8,13 +8,13 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 WIDTH = 78  # characters of a drawing
-OVERHANG = 3  # the offset behind the last box
+OVERHANG = 3  # characters of the offset behind the last box
 
-Cell = tuple[str, str]  # where it begins ("" where that varies), what is in it
+Cell = tuple[str, str]  # offset ("" if it varies), content
 
 
 def drawing(cells: Sequence[Cell]) -> Iterator[str]:
-    """Boxes in rows, the offset of each above its left edge; a last empty cell is the end."""
+    """Draw rows of boxes, the offset of each above its left edge; an empty last cell is the end."""
     end = cells[-1][0] if cells[-1][1] == "" else ""
     boxes = [c for c in cells if c[1]]
     rows: list[list[Cell]] = [[]]

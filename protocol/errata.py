@@ -1,8 +1,7 @@
-"""Where the four documents contradict themselves or stay silent, and the reading that is coded.
+"""Contradictions and gaps in the four documents, and the reading that the code implements.
 
-A table of rows only; the reference (protocol.reference) prints it, the tables of frames name its
-rows in their comments. ``tolerance``: what a decoder accepts besides, by its name in
-protocol.tolerances.
+protocol.reference prints this table; frame tables cite its rows in comments. ``tolerance``: names
+of the tolerances (protocol.tolerances) and keys (protocol.vehicles.keys) that change the reading.
 """
 
 from __future__ import annotations
@@ -167,6 +166,6 @@ ERRATA = (
 
 
 def errata_of(frame: str) -> tuple[Erratum, ...]:
-    """Rows that concern a type, by its name or its vehicle's."""
+    """Return the rows that concern a frame type, by its name or its vehicle's."""
     vehicle = frame.partition(".")[0]
     return tuple(row for row in ERRATA if frame in row.frames or vehicle in row.frames)

@@ -1,6 +1,6 @@
 """One good frame of every type under the normative readings, for the reference and for tests.
 
-The same bytes that the documents print where they are right, and computed ones where they are not.
+The bytes are those that the documents print; where a document is wrong, they are computed.
 """
 
 from __future__ import annotations

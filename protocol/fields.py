@@ -1,4 +1,4 @@
-"""Field types from which the table of a binary frame is written; one table encodes and decodes.
+"""Field types for the table of a binary frame; one table both encodes and decodes.
 
     SD = BinaryFrame("auv.SD", "000 table 3.2", (
         Const(b"@SD"),
@@ -8,13 +8,13 @@
         Const(b"$"),
     ))
 
-Offsets follow from the order, as in the documents. Rule G4: on encode a value outside its range
-is refused whole; on decode a command is refused (``out_of_range``), while telemetry is kept and
-named in ``flags`` as ``field:reason``. NaN and infinity decode as None with a flag.
+Offsets follow from the order of the fields. Rule G4 for a value outside its range: ``encode``
+refuses the whole frame; a received command is refused (``out_of_range``); in telemetry the value is
+kept and named in ``flags`` as ``field:reason``. NaN and infinity decode as None with a flag.
 
-What does not live here: text frames (``protocol.text``), how frames are found in a stream
-(``protocol.framing``), SI units (the adapters in ``protocol.vehicles``): values here are in the
-units of the names of docs/protocol.md.
+Values have the names and units of docs/protocol.md. What does not live here: text frames
+(``protocol.text``), how frames are found in a stream (``protocol.framing``), the conversion to SI
+units (the adapters in ``protocol.vehicles``).
 """
 
 from __future__ import annotations
@@ -49,9 +49,9 @@ class FaultKind(enum.StrEnum):
 
 
 class FrameType:
-    """One kind of frame: where it begins, how long it is, what it says.
+    """One type of frame: how to find, check, decode and encode it.
 
-    ``lead`` is what a candidate begins with; a fixed ``length`` is 0 where it varies.
+    ``lead``: the bytes that a candidate begins with. ``length``: 0 if it varies.
     """
 
     name: str
@@ -60,11 +60,12 @@ class FrameType:
     length: int = 0
 
     def measure(self, data: bytes, at: int, end: int) -> int | FaultKind:
-        """Length of the candidate at ``at`` (its lead is there), 0 while that is not known."""
+        """Return the length of the candidate at ``at`` (its lead is there), 0 while more bytes are
+        needed, or why it is no frame."""
         raise AssertionError
 
     def check(self, raw: bytes) -> FaultKind | None:
-        """Why these bytes are no frame of this type, or None."""
+        """Return why these bytes are no frame of this type, or None."""
         raise AssertionError
 
     def decode(self, raw: bytes) -> Values:
@@ -72,7 +73,7 @@ class FrameType:
         raise AssertionError
 
     def encode(self, values: Mapping[str, Any]) -> bytes:
-        """Raises CannotEncode; what ``decode`` derived (flags and the like) is passed over."""
+        """Raises CannotEncode. Ignores what ``decode`` adds, such as ``flags``."""
         raise AssertionError
 
 
@@ -102,7 +103,7 @@ class Number:
         return raw - self.bias if self.bias else raw
 
     def doubt(self, value: float) -> str | None:
-        """What is wrong with a value: nan, inf, out_of_range, bad_enum."""
+        """Return what is wrong with a value (nan, inf, out_of_range, bad_enum), or None."""
         if value - value != 0:
             return "nan" if value != value else "inf"
         if self.choices:
@@ -114,7 +115,7 @@ class Number:
         return None
 
     def raw(self, value: Any) -> float:
-        """The count that stands for the value; raises CannotEncode where there is none."""
+        """Return the value as a raw number. Raises CannotEncode if there is none."""
         if value is None and self.floating:
             return math.nan
         if isinstance(value, bool) or not isinstance(value, (int, float)):
@@ -147,7 +148,7 @@ F64LE = partial(Number, code="d")
 
 @dataclass(frozen=True, slots=True)
 class Raw:
-    """Bytes that are passed through: lower-case hexadecimal outside."""
+    """Bytes that are passed through; their value is lower-case hexadecimal."""
 
     name: str
     size: int
@@ -162,7 +163,7 @@ class Pad:
 
 @dataclass(frozen=True, slots=True)
 class Const:
-    """Fixed bytes; ``kind`` is the fault when others stand there (default: header or tail)."""
+    """Fixed bytes. ``kind``: the fault if other bytes are there (default: header or tail)."""
 
     data: bytes
     kind: FaultKind | None = None
@@ -171,7 +172,7 @@ class Const:
 
 @dataclass(frozen=True, slots=True)
 class Check:
-    """A checksum over the bytes from ``first`` up to itself. ``code`` is of struct."""
+    """A checksum over the bytes from ``first`` up to itself. ``code``: format letter of struct."""
 
     compute: Checksum
     code: str
@@ -195,7 +196,7 @@ def _struct_code(item: Field) -> str:
 
 @dataclass(frozen=True, slots=True)
 class _Segment:
-    """A stretch of the table that one struct reads: its order of bytes does not change."""
+    """Successive fields with one byte order, which one struct reads."""
 
     offset: int
     layout: struct.Struct
@@ -220,10 +221,10 @@ def _segments(fields: Sequence[Field]) -> tuple[_Segment, ...]:
 
 
 class BinaryFrame(FrameType):
-    """A frame of fixed length, written as its table.
+    """A frame of fixed length, defined by its table.
 
-    ``command``: refused when a value is out of range (G4). ``derive`` adds to the decoded values
-    and to ``flags`` what follows from several fields. ``flags=False`` where nothing can be doubted.
+    ``command``: the frame is refused if a value is out of range (G4). ``derive`` adds decoded
+    values and flags that follow from several fields. ``flags=False``: no value can be doubtful.
     """
 
     def __init__(
@@ -249,7 +250,7 @@ class BinaryFrame(FrameType):
 
     @property
     def layout(self) -> struct.Struct:
-        """The whole frame as one struct, little end first, checksums as bytes."""
+        """The whole frame as one little-endian struct, checksums as bytes."""
         sized = (
             f"{struct.calcsize(f.code)}s" if isinstance(f, Check) else _struct_code(f)
             for f in self.fields
@@ -261,8 +262,8 @@ class BinaryFrame(FrameType):
         return tuple(sum(sizes[:i]) for i in range(len(sizes)))
 
     def _constants(self) -> tuple[tuple[int, tuple[bytes, ...], FaultKind], ...]:
-        """Offset, what may stand there and the fault, beside the lead; the tail first, as it is
-        cheapest."""
+        """Return offset, allowed bytes and fault of each constant: the lead, then from the tail
+        backwards, as the tail is the cheapest check."""
         last = len(self.fields) - 1
         found = [
             (
@@ -346,7 +347,7 @@ class BinaryFrame(FrameType):
         return self.pack(values)
 
     def pack(self, values: Mapping[str, Any]) -> bytes:
-        """``encode`` without the ranges: a broken sensor sends what it sends (simulation)."""
+        """Encode without range checks: the simulation sends what a broken sensor would send."""
         out = bytearray()
         for segment in self._segments:
             stored = [self._to_raw(item, values) for item in segment.fields]

@@ -1,18 +1,18 @@
-"""Finding frames in a stream of bytes: synchronise, delimit, check, give up.
+"""Find frames in a stream of bytes: synchronise, delimit, check, give up.
 
-Rules (docs/protocol.md): frames with binary bytes are delimited by length (G1); a candidate that
-fails costs ONE byte (G2); what stays unfinished is given up after an idle time (G3). Bytes that
-belong to no accepted frame form runs, as long as can be; a run is one FrameFault with the kind of
-its first candidate (``bad_header`` where there was none), reported when the run ends.
+Rules (docs/rules.md): frames with binary bytes are delimited by length (G1); a candidate that
+fails costs ONE byte (G2); an unfinished candidate is given up after an idle time (G3). Successive
+bytes that belong to no accepted frame form one run. When the run ends it is reported as one
+FrameFault, with the kind of its first candidate (``bad_header`` if there was none).
 
     bytes -> [lead found? -> measured? -> checked?] -> Frame
-                  | no           | no, wait    | no: one byte into the run, on at the next
+                  | no           | no, wait    | no: one byte into the run, continue at the next
 
-Decisions depend on the bytes alone, never on how they were cut, so any chunking gives the same
-frames. A candidate has at most its type's length, so the work is linear in the bytes.
+Decisions depend on the bytes alone: any split into chunks gives the same frames. A candidate is at
+most as long as its type allows, so the work is linear in the bytes.
 
 A guest frame spliced into a host frame (as built: an ``@ACK_`` printed in the middle of an
-``@SD``) is taken out and the host tried again without it.
+``@SD``) is taken out, and the host is tried again without it.
 
 What does not live here: what a frame means (tables), clocks (``now`` is a parameter).
 """
@@ -35,7 +35,7 @@ MOST_GUESTS = 4  # acknowledgements spliced into one host: more cannot come in 9
 
 
 class Frame(NamedTuple):
-    """An accepted frame; ``t`` is when its first byte came. A tuple, as millions are made."""
+    """An accepted frame; ``t``: arrival of its first byte. A tuple, as logs have millions."""
 
     type: FrameType
     raw: bytes  # without spliced guests
@@ -46,8 +46,8 @@ class Frame(NamedTuple):
         return self.type.decode(self.raw)
 
 
-# What a place in the buffer turned out to be: bytes used (none: wait for more), the messages of
-# the frames there, and if there are none, the fault's kind.
+# The result at one place in the buffer: bytes used (0: wait for more), the messages of the frames
+# there, and if there are none, the fault's kind.
 _Step = tuple[int, tuple[object, ...], FaultKind | None]
 _WAIT: _Step = (0, (), None)
 _NOTHING: _Step = (1, (), None)
@@ -55,7 +55,7 @@ _NOTHING: _Step = (1, (), None)
 
 @dataclass(slots=True)
 class Counters:
-    """What a link has carried so far; ``bad`` counts faults by kind."""
+    """Frames and faults of a link so far; ``bad`` counts faults by kind."""
 
     good: int = 0
     skipped: int = 0  # bytes of these faults
@@ -68,7 +68,7 @@ class Counters:
 
 @dataclass(frozen=True, slots=True)
 class Splice:
-    """Which frame may be torn by which: both of fixed length."""
+    """A ``guest`` frame may be inserted into a ``host`` frame; both have a fixed length."""
 
     host: FrameType
     guest: FrameType
@@ -80,13 +80,12 @@ Stretch = tuple[Sequence[object], int, int]
 
 @dataclass(frozen=True, slots=True)
 class Shortcut:
-    """Messages in place of Frames, and the frame that a link mostly carries read in one go.
+    """A fast path for a link's most frequent frame; the framer then returns messages, not Frames.
 
-    ``read(data, at, last, base, t)`` is asked where the lead's first byte stands with at least
-    ``length`` bytes. From there it reads frames that begin at ``last`` at most and are flawless
-    beyond doubt, and the noise between them if no frame could begin in it; ``base`` is the offset
-    of ``data`` in the stream. All else goes the ordinary way, and ``message`` turns its frames
-    into messages.
+    The framer calls ``read(data, at, last, base, t)`` where the lead's first byte is, with at least
+    ``length`` bytes from there on. ``read`` takes flawless frames that begin at ``last`` or before,
+    and noise between them in which no frame could begin. ``base``: offset of ``data`` in the
+    stream. The framer scans everything else as usual; ``message`` turns those frames into messages.
     """
 
     lead: bytes
@@ -95,7 +94,7 @@ class Shortcut:
     message: Callable[[Frame], object]
 
     def __deepcopy__(self, memo: object) -> Shortcut:
-        """Itself: mypyc would fill a frozen copy by setting its attributes."""
+        """Return itself: mypyc would set the attributes of a copy, which is frozen."""
         return self
 
 
@@ -104,7 +103,7 @@ class LinkRow:
     """A link of docs/protocol.md: which frames a decoder may meet there.
 
     ``frames`` may list several types with the same lead; the shorter complete candidate is tried
-    first. ``line``: the input is text, one datagram a line, which this turns into bytes.
+    first. ``line``: turns a line of text into bytes; the input then has one datagram per line.
     """
 
     name: str
@@ -125,10 +124,10 @@ class LinkRow:
 
 
 class Framer:
-    """``receive`` and ``flush`` yield frames and faults in the order of their offsets.
+    """Find frames in one stream. ``receive`` and ``flush`` return frames and faults by offset.
 
-    What is unfinished is given up after ``idle`` s without a byte, and ``patience`` s after its
-    first one: a byte now and then holds nobody back (G3).
+    An unfinished candidate is given up after ``idle`` s without a byte, and ``patience`` s after
+    its first byte: bytes that arrive slowly do not hold it open (G3).
     """
 
     def __init__(
@@ -150,11 +149,11 @@ class Framer:
         self._finder = finder({t.lead[:1] for t in self.types})
         self.buffer = b""
         self._base = 0  # offset of the buffer's first byte in the stream
-        self._fresh = 0  # what begins before this offset is not waited for any more
+        self._fresh = 0  # candidates that begin before this offset are not waited for any more
         self.starts: list[int] = []  # offsets at which chunks began ...
         self.times: list[float] = []  # ... and when they came
         self._run: int | None = None  # where the open run of bytes that are no frame began ...
-        self._run_kind: FaultKind | None = None  # ... and what its first candidate failed by
+        self._run_kind: FaultKind | None = None  # ... and its first candidate's fault
 
     def receive(self, data: bytes, now: float) -> list[Frame | FrameFault]:
         if not data:
@@ -168,14 +167,14 @@ class Framer:
         return self._parse(final=False)
 
     def next_timer(self) -> float | None:
-        """When unfinished bytes or an open run have waited for long enough."""
+        """Return when to ``flush`` unfinished bytes or an open run, None if there are none."""
         if not self.buffer:
             return None if self._run is None else self.times[-1] + self.idle
         return min(self.times[-1] + self.idle, self._time(self._base) + self.patience)
 
     def flush(self, now: float) -> list[Frame | FrameFault]:
-        """Give up what is unfinished by ``now``: all of it, if the link has been idle for long
-        enough, else what began too long ago."""
+        """Give up what is unfinished: all of it if the link has been idle for ``idle`` s, else
+        the bytes that came ``patience`` s ago or earlier."""
         due = self.next_timer()
         if due is None or now < due:
             return []
@@ -190,7 +189,7 @@ class Framer:
         data, at, base = self.buffer, 0, self._base
         end, run, run_kind = len(data), self._run, self._run_kind
         read, length, lead = self._shortcut.read, self._shortcut.length, self._shortcut.lead[0]
-        last = end - length  # where the shortcut's frame can begin at most
+        last = end - length  # the last place where the shortcut's frame can begin
         newest, now = self.starts[-1] - base, self.times[-1]
         next_start, counters = self._finder(data), self.counters
         out: list[Any] = []
@@ -198,7 +197,7 @@ class Framer:
             items: Sequence[object] = ()
             gaps = 0
             if data[at] == lead and at <= last:
-                if at < newest:  # one frame: the next one came with another chunk
+                if at < newest:  # one frame: the next one may have come with another chunk
                     items, gaps, stop = read(data, at, at, base, self._time(base + at))
                 else:
                     items, gaps, stop = read(data, at, last, base, now)
@@ -271,7 +270,7 @@ class Framer:
         return found if self._message is None else self._message(found)
 
     def _fault(self, run: int, kind: FaultKind | None, stop: int) -> FrameFault:
-        """The bytes from ``run`` to ``stop``, of which no frame came."""
+        """Count and return the fault for the bytes from ``run`` to ``stop``."""
         name = "bad_header" if kind is None else kind.value
         self.counters.note(name, 1, stop - run)
         return fault(run, name, stop - run)
@@ -279,7 +278,7 @@ class Framer:
     # --- guests inside a host ---
 
     def _unsplice(self, data: bytes, at: int, end: int, final: bool) -> _Step | None:
-        """A host and its guests, if they are there."""
+        """Return a host and its guests, None if they are not there."""
         assert self.splice is not None
         host, guest = self.splice.host, self.splice.guest
         if not _may_be_torn(data, at, end, host.lead, guest.lead):
@@ -319,18 +318,18 @@ class Framer:
         return self.times[bisect_right(self.starts, offset) - 1]
 
     def _forget(self) -> None:
-        """Chunks whose bytes are all gone; the newest one stays, for ``next_timer``."""
+        """Drop chunks whose bytes are all used; keep the newest one, for ``next_timer``."""
         gone = bisect_right(self.starts, self._base) - 1
         del self.starts[:gone], self.times[:gone]
 
 
 def fault(offset: int, kind: str, length: int) -> FrameFault:
-    """A FrameFault, without the detour by its constructor."""
+    """Make a FrameFault without its constructor, which is slower."""
     return tuple.__new__(FrameFault, (offset, kind, length))
 
 
 def no_stretch(data: bytes, at: int, last: int, base: int, t: float) -> Stretch:
-    """Everything goes the ordinary way."""
+    """A ``Shortcut.read`` that takes nothing: the framer scans everything as usual."""
     return (), 0, at
 
 
@@ -346,7 +345,7 @@ def _by_length(candidate: tuple[int, int, FrameType]) -> tuple[int, int]:
 
 
 def _may_be_torn(data: bytes, at: int, end: int, lead: bytes, guest: bytes) -> bool:
-    """The host's lead, or a part of it with a guest behind."""
+    """Whether the host's lead is here, or a part of it followed by a guest's lead."""
     if data.startswith(lead, at):
         return True
     return any(
@@ -357,7 +356,7 @@ def _may_be_torn(data: bytes, at: int, end: int, lead: bytes, guest: bytes) -> b
 
 
 def _could_be_guest(data: bytes, position: int, stop: int, end: int, guest: FrameType) -> bool:
-    """A guest that begins in the host's last bytes and is not all there yet."""
+    """Whether a guest may begin in the host's last bytes, of which the rest is still to come."""
     first = max(position, end - guest.length + 1)
     return any(
         guest.lead.startswith(data[i : i + len(guest.lead)]) for i in range(first, min(stop, end))

@@ -1,8 +1,8 @@
-"""The vocabulary: what every codec yields and accepts, whatever the bytes look like.
+"""The messages that every codec returns and accepts, whatever the bytes look like.
 
-Everything here is SI and radians; degrees, gears and counts end in the codecs. ``None`` means
-"not reported". Names are the field's: heading is where the bow points (clockwise from north,
-[0, 2 pi)), depth is below the surface, altitude above the bottom, heave is positive down (SNAME).
+All values are in SI units and radians; the codecs convert degrees, gears and counts. ``None`` means
+"not reported". Terms: heading is where the bow points (clockwise from north, [0, 2 pi)), depth is
+below the surface, altitude above the bottom, heave is positive down (SNAME).
 
 What does not live here: layouts (the vehicle's file), framing, rules of retry.
 """
@@ -22,8 +22,8 @@ class Telemetry(NamedTuple):
     the compass gives it (magnetic, uncorrected). ``actuators`` are fractions -1..1 of full thrust
     in the order of the vehicle's row, rudders in rad where the vehicle reports them so.
     ``velocity`` is through the water, body axes (forward, starboard, down). ``faults`` names
-    fields that were kept but are doubtful (``field:reason``). ``board`` has what else the report
-    says, by the names and in the units of the vehicle's sources (protocol.vehicles.channels).
+    fields that were kept but are doubtful (``field:reason``). ``board`` has the report's other
+    values, by the names and in the units of the vehicle's sources (protocol.vehicles.channels).
     """
 
     t: float
@@ -61,9 +61,10 @@ class Fix:
 
 @dataclass(frozen=True, slots=True)
 class Aid:
-    """What a sensor says that was added to the vehicle (protocol.added). ``values``: of ``water``
-    the speed ahead through the water; of ``ground`` the speeds ahead and to starboard over ground,
-    m/s; of ``place`` latitude and longitude, rad."""
+    """A reading of a sensor that was added to the vehicle (protocol.added). ``values`` by kind:
+    ``water`` speed ahead through the water, m/s; ``ground`` speed ahead and to starboard over
+    ground, m/s; ``place`` latitude and longitude, rad; ``range`` number of the beacon and one-way
+    travel time of sound, s."""
 
     t: float
     kind: str
@@ -72,10 +73,10 @@ class Aid:
 
 @dataclass(frozen=True, slots=True)
 class Setpoint:
-    """A complete set of what the vehicle shall hold; an axis that is None is not controlled.
+    """A complete setpoint: all that the vehicle shall hold. An axis that is None is not controlled.
 
-    ``surge`` and ``turn`` (starboard positive) are fractions -1..1; of ``depth``, ``altitude`` and
-    ``heave`` (positive down, -1..1) at most one is set.
+    ``surge`` and ``turn`` (starboard positive) are fractions -1..1. At most one of ``depth``,
+    ``altitude`` and ``heave`` (positive down, -1..1) is set.
     """
 
     surge: float = 0.0
@@ -89,7 +90,7 @@ class Setpoint:
 
 
 class Order(enum.Enum):
-    """The two safety commands, which are no setpoints and overtake everything."""
+    """The two safety commands. They are not setpoints, and go before everything else."""
 
     STOP = "stop"  # all thrusters off (AUV: ZAX0)
     SURFACE = "surface"  # emergency surfacing (AUV: ZAWF)
@@ -97,8 +98,8 @@ class Order(enum.Enum):
 
 @dataclass(frozen=True, slots=True)
 class Outputs:
-    """What every output shall be that the vehicle file names, in the units of its channel: lamps,
-    servos, switches. They move nothing; no setpoint and no order takes them back."""
+    """The level of every output that the vehicle file names, in the units of its channel: lamps,
+    servos, switches. Outputs are apart from motion: no setpoint and no order changes them."""
 
     levels: tuple[tuple[str, float], ...]
 
@@ -110,7 +111,8 @@ UPWARD = Setpoint(heave=-1.0)  # full vertical thrust and nothing else (AUV: ZAX
 class Ack:
     """An acknowledgement ``@ACK_`` class function result.
 
-    ``result`` is the raw byte: ``S``/``N`` for settings, ``Y``/``N`` for Z, a mask for NI and RI.
+    ``result`` is the raw byte: the command's own letter (as ``S`` for NS) or ``N``, ``Y``/``N`` for
+    Z, a mask for NI and RI.
     """
 
     t: float
@@ -124,15 +126,15 @@ class Ack:
 
 
 class FrameFault(NamedTuple):
-    """Bytes that belong to no accepted frame. A value, never an exception; a tuple, as noise has
-    one for every few bytes."""
+    """Bytes that belong to no accepted frame. A value, never an exception; a tuple for speed, as
+    noise gives one for every few bytes."""
 
     offset: int  # of the first byte, from the start of the stream
     kind: str  # docs/protocol.md: truncated, bad_header, bad_checksum, ...
     length: int  # bytes
 
 
-# --- what an operator says (document 000, tables 1.1 and 1.2) ---
+# --- commands of an operator (document 000, tables 1.1 and 1.2), and the reports ---
 
 
 @dataclass(frozen=True, slots=True)
@@ -183,7 +185,7 @@ class StateQuery:  # @AE (R4)
 
 
 @dataclass(frozen=True, slots=True)
-class StateReport:  # @AE,1 (R4); None: not known. Ages are those at the answer.
+class StateReport:  # @AE,1 (R4); None: not known. Ages count to the time of the answer.
     state: str  # region/substate, "autonomous" for every leg
     commander: str  # nobody, asker, network, modem
     report_age: float | None  # s
@@ -195,7 +197,7 @@ class StateReport:  # @AE,1 (R4); None: not known. Ages are those at the answer.
     to_radius_m: float | None
     to_time: float | None  # min
     to_voltage_v: float | None
-    alarms: int  # a bit each
+    alarms: int  # mask, one bit per alarm
     setpoint: str
     leg: str
 
@@ -234,14 +236,14 @@ class Relay:
 
 @dataclass(frozen=True, slots=True)
 class Manual:
-    """Any M command: relayed unchanged, and it takes the vehicle into manual (R6)."""
+    """Any M command: it is relayed unchanged, and puts the vehicle in manual (R6)."""
 
     kind: str  # MT MD MM MR MS MP
     frame: bytes
 
     @property
     def neutral(self) -> bool:
-        """It asks for no motion: its gear, speed, force or angle is 0."""
+        """Whether it asks for no motion: its gear, speed, force or angle is 0."""
         numbers = re.findall(rb"-?\d+", self.frame[3:])
         first = self.kind in ("MS", "MP")  # speed or force, then the direction
         return bool(numbers) and int(numbers[0 if first else -1]) == 0
@@ -274,10 +276,10 @@ Command = (
 
 @dataclass(frozen=True, slots=True)
 class Status:
-    """What one ``@VS`` carries (document 000, table 2.1.2): the last fix and the newest telemetry.
+    """Contents of one ``@VS`` (document 000, table 2.1.2): the last fix and the newest telemetry.
 
-    ``time`` is that of the telemetry (R10), None where the field is empty. A fix that came by
-    ``@VS`` has an infinite ``accuracy``: the frame does not tell it.
+    ``time`` is that of the telemetry (R10), None if the field is empty. A fix from ``@VS`` has an
+    infinite ``accuracy``: the frame does not carry it.
     """
 
     time: str | None  # YYYY-MM-DDThh:mm:ss

@@ -2,12 +2,12 @@
 
     0x23 0x02 | length u16 | address | content (1..3200) | CRC-16/MODBUS, low byte first
 
-Several whole ``@...$`` frames may be in one content (R15); who sent it is the address: 1 the
-topside host, 2 the vehicle host (E-M3). The length is low byte first (E-M1); with ``order_modem =
-auto`` the order whose CRC is right wins, the shorter candidate first.
+One content may hold several whole ``@...$`` frames (R15). The address is the sender's: 1 the
+topside host, 2 the vehicle host (E-M3). The length is low byte first (E-M1). With ``order_modem =
+auto`` the decoder takes the order whose CRC is right, and tries the shorter candidate first.
 
-A content comes at the pace of the line, or is given up (G3): after 1 s without a byte, and when the
-longest one would have come twice over since its first byte.
+An unfinished frame is given up (G3) after 1 s without a byte, and 1 s plus twice the line time of
+the longest frame after its first byte.
 
 What does not live here: when to send and to repeat (``protocol.arq``), what the content means.
 """
@@ -42,7 +42,7 @@ class Sender(enum.IntEnum):
 
 @dataclass(frozen=True, slots=True)
 class Envelope:
-    """One good modem frame; ``t`` is when its first byte came."""
+    """One good modem frame; ``t``: arrival of its first byte."""
 
     t: float
     address: int
@@ -54,7 +54,8 @@ class ModemFrame(FrameType):
     _HEAD = 5
 
     def __init__(self, order: str = "low", covers: str = "frame") -> None:
-        """``order``: which byte of the length is first; ``covers``: frame or content (E-M2)."""
+        """``order``: which byte of the length is first. ``covers``: what the CRC covers, frame or
+        content (E-M2)."""
         self._little = order == "low"
         self._covered = 0 if covers == "frame" else self._HEAD
 
@@ -89,7 +90,7 @@ class ModemFrame(FrameType):
         return self.wrap(content, required(values, "address", self.name))
 
     def wrap(self, content: bytes, address: int) -> bytes:
-        """Raises CannotEncode."""
+        """Return ``content`` in an envelope. Raises CannotEncode."""
         if not 1 <= len(content) <= MOST:
             raise CannotEncode(f"{self.name}: content has 1..{MOST} bytes, not {len(content)}")
         if address not in (Sender.TOPSIDE, Sender.VEHICLE):
@@ -106,7 +107,7 @@ def modem_frames(tolerances: Tolerances) -> tuple[FrameType, ...]:
 
 
 def wrap(content: bytes, address: int) -> bytes:
-    """The normative envelope around whole frames. Raises CannotEncode."""
+    """Return whole frames in the normative envelope. Raises CannotEncode."""
     return ModemFrame().wrap(content, address)
 
 

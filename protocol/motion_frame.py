@@ -1,12 +1,12 @@
-"""The Z class of document 000 (tables 2.2.1 and 2.2.2): what the Pi tells the STM32 to do.
+"""The Z class of document 000 (tables 2.2.1 and 2.2.2): the Pi's commands to the STM32.
 
     @ZA code value $        F B L R U D gear | S depth | E altitude | H heading | A pitch;roll | V
     @ZAX0$ @ZAWF$           stop all thrusters, emergency surfacing: also from topside (R7)
 
 Headings are in the yaw convention: 0 north, +90 WEST. As built, H carries the speed as well
-(``@ZAH-20,4$``) and there is no other way to hold a heading under way.
+(``@ZAH-20,4$``); there is no other way to hold a heading while moving.
 
-What does not live here: which words reach which state of which STM32 (``protocol.vehicles.auv``).
+What does not live here: which commands bring which STM32 to a setpoint (``protocol.vehicles.auv``).
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ HEADING = Int("heading_deg", -180, 180)
 
 
 def _words(separators: str, gear_behind: bool) -> dict[str, tuple[tuple[Item, ...], ...]]:
-    """The forms that each code may have; the first one that an encoder's values fill is sent."""
+    """Return the forms of each code; ``format`` sends the first form that its values fill."""
     gear = Int("gear", 0, 12)
     words: dict[str, tuple[tuple[Item, ...], ...]] = dict.fromkeys(GEARS, ((gear,),))
     words["S"] = ((Int("depth_m", 0, 9999),),)
@@ -41,7 +41,7 @@ def _words(separators: str, gear_behind: bool) -> dict[str, tuple[tuple[Item, ..
 
 class MotionFrame(TextFrame):
     def __init__(self, tolerances: Tolerances, codes: str = "FBLRUDSEHAVXW") -> None:
-        """``codes``: which of them this link carries."""
+        """``codes``: the Z codes that this link carries."""
         super().__init__("auv.ZA", "000 tables 2.2.1 and 2.2.2", "@ZA")
         separators = ",;" if tolerances.on("zaa_comma") else ";"
         words = _words(separators, tolerances.on("zah_gear"))
@@ -78,7 +78,8 @@ def _names(form: Sequence[Item]) -> list[str]:
 
 
 def _first_form(forms: Sequence[Sequence[Item]], text: str) -> Values:
-    """Raises Refused with the last form's reason: the document's own one."""
+    """Read ``text`` in the first form that fits. Raises Refused with the reason of the last form,
+    which is the document's."""
     for form in forms[:-1]:
         try:
             return parse_items(form, text)
@@ -91,7 +92,7 @@ AS_BUILT = Tolerances({"zah_gear": "on", "zaa_comma": "on"})
 
 
 def parse_z(frame: bytes, tolerances: Tolerances | None = None) -> Values:
-    """The values of one ``@ZA..$``; raises ``Refused`` with the kind of fault."""
+    """Return the values of one ``@ZA..$``. Raises Refused with the kind of fault."""
     table = MotionFrame(tolerances or Tolerances())
     if not frame.startswith(table.lead):
         raise Refused(FaultKind.BAD_HEADER)

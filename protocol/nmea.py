@@ -1,25 +1,25 @@
-"""GPS sentences (NMEA 0183): GGA and RMC of one epoch in, one Fix out; and both encoded.
+"""GPS sentences (NMEA 0183): GGA and RMC of one epoch become one Fix; both can be encoded.
 
     $GNGGA,hhmmss.ss,ddmm.mmmm,N,dddmm.mmmm,E,q,nn,hdop,alt,M,sep,M,age,ref*hh CR LF
     $GNRMC,hhmmss.ss,A,ddmm.mmmm,N,dddmm.mmmm,E,knots,course,ddmmyy,var,E[,mode[,nav]]*hh CR LF
 
 Rules:
-  * Every sentence must carry its checksum. Without CR LF it still counts, if the checksum is right.
-    Receivers write more than the standard's 82 characters; ``MAX_SENTENCE`` is what we stand.
-  * Only GGA and RMC of satellite talkers are looked into, after the cheap checks; pynmea2 gives
-    their field tables and writes them, while nmea_fields checks every value: the library reads an
-    empty latitude as 0.0, lets 99 N pass, and hands out a bad number as text.
-  * GGA gives position, quality, HDOP, elevation; RMC speed, course, date. Either alone is enough,
-    and either saying "invalid" (quality 0, 6, 7, 8; status V; mode E, M, N, S) spoils the epoch.
-    The last field of RMC (NMEA 4.1) is no verdict on the fix: receivers fill it with V for ever.
+  * Every sentence must carry its checksum. Without CR LF it is accepted if the checksum is right.
+    Receivers send more than the standard's 82 characters; ``MAX_SENTENCE`` is the limit here.
+  * Only GGA and RMC of satellite talkers are read, after the cheap checks. pynmea2 supplies their
+    field tables and writes them. nmea_fields checks every value, since pynmea2 reads an empty
+    latitude as 0.0, accepts 99 N, and returns a bad number as text.
+  * GGA gives position, quality, HDOP, elevation; RMC speed, course, date. Either alone is enough.
+    If one of them reports "invalid" (quality 0, 6, 7, 8; status V; mode E, M, N, S), the epoch
+    gives no Fix. The last field of RMC (NMEA 4.1) is ignored: receivers always send V in it.
   * An epoch is complete with both, at the first sentence of another time, or after ``IDLE``.
-    Its Fix bears the arrival of its first sentence's first byte.
-  * An epoch whose time was already given is refused; one whose time runs back is refused and
-    becomes the new reference, so that a clock that was set costs one epoch, and late sentences
-    out of a buffer do not move the vehicle.
+    ``Fix.t`` is the arrival of its first sentence's first byte.
+  * An epoch with the same time as the one before is refused. One with an earlier time is refused
+    too, and becomes the new reference: a clock adjustment costs one epoch, and late sentences from
+    a buffer do not move the position.
   * Accuracy (one sigma per axis) = HDOP x UERE x share of the quality / sqrt 2.
 
-What does not live here: single fields (protocol.nmea_fields), which fix to believe
+What does not live here: single fields (protocol.nmea_fields), whether to believe a fix
 (mission.navigation), the serial port (links).
 """
 
@@ -47,15 +47,15 @@ from protocol.nmea_fields import (
 __all__ = ["Counters", "NmeaDecoder", "Refusal", "encode_gga", "encode_rmc"]
 
 MAX_SENTENCE = 128  # bytes from $ to the last of the checksum
-IDLE = 0.2  # s without a byte: the epoch is over, an unfinished sentence will not be finished
+IDLE = 0.2  # s without a byte: the epoch is over, an unfinished sentence is given up
 UERE = 3.5  # m, one sigma in the plane at HDOP 1, single-frequency receiver without corrections
-UNKNOWN_HDOP = 5.0  # stands in where the receiver says nothing, or 0.0
+UNKNOWN_HDOP = 5.0  # used if the receiver reports no HDOP, or 0.0
 CONTRADICTION = 1e-5  # rad (64 m) between the GGA and the RMC of one epoch
 
 _HALF_DAY, _DAY = 43200.0, 86400.0
 
 _LINE_ENDS = (b"\r\n", b"")
-_END = re.compile(rb"[^\x20-\x23\x25-\x7e]")  # a line end, another $, or what no sentence holds
+_END = re.compile(rb"[^\x20-\x23\x25-\x7e]")  # a line end, another $, or a byte of no sentence
 _USED = {f"${talker}{kind},".encode(): kind for talker in TALKERS for kind in ("GGA", "RMC")}
 _HEX = {b"%02X" % n: n for n in range(256)} | {b"%02x" % n: n for n in range(256)}
 
@@ -81,7 +81,7 @@ class _Epoch:
 
 @dataclass(slots=True)
 class _Run:
-    """Bytes that belong to no accepted sentence, as long as can be."""
+    """Successive bytes that belong to no accepted sentence."""
 
     offset: int
     end: int
@@ -89,8 +89,9 @@ class _Run:
 
 
 class NmeaDecoder:
-    """One receiver's stream. ``not_before`` undoes the 1024-week rollover of old receivers: a date
-    before it is moved on by whole rollovers; it concerns ``Fix.utc`` alone."""
+    """Decode one receiver's stream. ``uere``: m. ``not_before`` corrects the 1024-week rollover of
+    old receivers: an earlier date is moved forward by whole rollovers. It affects ``Fix.utc`` only.
+    """
 
     def __init__(self, uere: float = UERE, not_before: date | None = None) -> None:
         self.counters = Counters()
@@ -103,7 +104,7 @@ class NmeaDecoder:
         self._epoch: _Epoch | None = None
         self._last: float | None = None  # second of the day of the newest epoch with a position
         self._deadline: float | None = None
-        self._idle_from = math.inf  # when what has come is over, if nothing more comes
+        self._idle_from = math.inf  # when the epoch is over if no more bytes come
 
     def receive(self, data: bytes, now: float) -> list[Fix | FrameFault]:
         out: list[Fix | FrameFault] = []
@@ -136,7 +137,7 @@ class NmeaDecoder:
         return out
 
     def _is_waiting(self) -> bool:
-        """Whether silence would decide anything. It would not where the receiver has no fix."""
+        """Whether ``flush`` has anything to close: bytes, a run, or an epoch with a position."""
         epoch = self._epoch
         given = epoch is not None and (epoch.gga or epoch.rmc)
         return bool(self._buffer or self._run or given)
@@ -145,7 +146,7 @@ class NmeaDecoder:
         return self._deadline
 
     def flush(self, now: float) -> list[Fix | FrameFault]:
-        """Nothing before the time that ``next_timer`` gave."""
+        """Close what is open; does nothing before the time that ``next_timer`` returned."""
         out: list[Fix | FrameFault] = []
         if self._deadline is None or now < self._deadline:
             return out
@@ -161,7 +162,7 @@ class NmeaDecoder:
     # --- bytes to sentences ---------------------------------------------------------------
 
     def _outside(self, skipped: bytes, at: int) -> None:
-        """Bytes between sentences; line ends belong there, all else is garbage."""
+        """Note the bytes between sentences: anything but line ends is garbage."""
         inner = skipped.strip(b"\r\n")
         if not inner:
             return
@@ -228,14 +229,15 @@ class NmeaDecoder:
             self.counters.refusals[Refusal.NO_FIX] += 1
             epoch.spoilt = True
         elif isinstance(found, Gga):
-            epoch.gga = epoch.gga or found  # several talkers for one epoch: the first
+            epoch.gga = epoch.gga or found  # several talkers in one epoch: the first counts
         else:
             epoch.rmc = epoch.rmc or found
         if epoch.gga and epoch.rmc:
             self._close_epoch(out)
 
     def _out_of_order(self, second: float) -> Refusal | None:
-        """Also moves the reference; a difference of half a day or more counts as midnight."""
+        """Return why this time is refused, or None. It becomes the new reference. A difference of
+        half a day or more counts as a midnight between."""
         last, self._last = self._last, second
         if last is None:
             return None
@@ -285,7 +287,7 @@ def _apart(gga: Gga | None, rmc: Rmc | None) -> bool:
 
 
 def _xor(body: bytes) -> int:
-    """XOR of all bytes, by folding one big number: a tenth of the time of a loop."""
+    """XOR of all bytes, at most 128, by folding one big integer: a tenth of the time of a loop."""
     n = int.from_bytes(body, "little")
     n ^= n >> 512
     n ^= n >> 256

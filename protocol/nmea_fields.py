@@ -1,7 +1,7 @@
-"""The fields of GGA and RMC: read strictly, and written for the simulated receiver.
+"""The fields of GGA, RMC and GLL: read strictly; GGA and RMC written for the simulated receiver.
 
-pynmea2 gives the field tables and renders the sentence; every value is checked here (see
-protocol.nmea, which frames the bytes and merges epochs).
+pynmea2 supplies the field tables and renders the sentences; this module checks every value.
+protocol.nmea frames the bytes and merges epochs.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ _LONGITUDE = re.compile(r"(\d\d\d)([0-5]\d(?:\.\d*)?)", re.ASCII)
 
 
 class Refusal(enum.Enum):
-    """Why a sentence, or a whole epoch, gave no Fix; the second word is the FrameFault's kind."""
+    """Why a sentence, or a whole epoch, gave no Fix; the second text is the FrameFault's kind."""
 
     GARBAGE = "bytes outside sentences", "bad_header"
     CUT = "cut sentence", "truncated"
@@ -54,7 +54,7 @@ class Refusal(enum.Enum):
     def kind(self) -> str:
         return str(self.value[1])
 
-    __hash__ = object.__hash__  # one of a kind: counted by the thousand, and the name's is slow
+    __hash__ = object.__hash__  # the hash of the name is slow, and thousands are counted
 
 
 class Refused(Exception):
@@ -64,7 +64,7 @@ class Refused(Exception):
 
 class Gga(NamedTuple):
     second: float  # of the day, UTC
-    position: tuple[float, float] | None  # None: the receiver has no fix
+    position: tuple[float, float] | None  # latitude, longitude, rad; None: no fix
     share: float = 1.0
     hdop: float | None = None
     elevation: float | None = None
@@ -82,7 +82,7 @@ class Rmc(NamedTuple):
 _G = pynmea2.GGA.name_to_idx
 _R = pynmea2.RMC.name_to_idx
 _GGA_TIME, _GGA_QUALITY = _G["timestamp"], _G["gps_qual"]
-_GGA_FIELDS = {len(pynmea2.GGA.fields) + n for n in range(2)}  # SiRF adds one of its own
+_GGA_FIELDS = {len(pynmea2.GGA.fields) + n for n in range(2)}  # SiRF adds one field
 _RMC_FIELDS = {len(pynmea2.RMC.fields) - n for n in range(3)}  # before NMEA 2.3, 2.3, 4.1
 
 
@@ -126,7 +126,7 @@ def read_rmc(fields: list[str], not_before: date | None) -> Rmc:
 
 
 def read_gll(fields: list[str]) -> tuple[float, float] | None:
-    """Latitude and longitude, rad; None where it says that they are invalid."""
+    """Return latitude and longitude, rad; None if the sentence marks them as invalid."""
     if len(fields) not in (6, 7):  # without and with a mode
         raise Refused(Refusal.FIELD_COUNT)
     if fields[5] == "V" or (len(fields) == 7 and fields[6] in NO_MODES):
@@ -137,7 +137,7 @@ def read_gll(fields: list[str]) -> tuple[float, float] | None:
 
 
 def _second(text: str) -> float:
-    """Of the day; -1 for a receiver that has no time yet, which can only say that it has no fix."""
+    """Return the second of the day; -1 if the receiver has no time yet, and so no fix either."""
     if not text:
         return -1.0
     if _TIME.fullmatch(text) is None:
@@ -146,7 +146,7 @@ def _second(text: str) -> float:
 
 
 def _position(fields: list[str], at: int) -> tuple[float, float]:
-    """Latitude, its letter, longitude, its letter, from index ``at``; in rad."""
+    """Read latitude, its letter, longitude, its letter from index ``at``; return them in rad."""
     if not fields[0]:
         raise Refused(Refusal.EMPTY)  # a fix without a time
     latitude = _angle(fields[at], fields[at + 1], _LATITUDE, "NS", 90.0)
@@ -253,7 +253,7 @@ def _clock(utc: datetime) -> str:
 
 
 def _angles(latitude: float | None, longitude: float | None) -> tuple[str, str, str, str]:
-    """Degrees and minutes to 0.000001 minute (2 mm), carried where they round to 60."""
+    """Write degrees and minutes to 0.000001 minute (2 mm); minutes never round to 60."""
     if latitude is None or longitude is None:
         return "", "", "", ""
     south, west = latitude < 0.0, longitude < 0.0

@@ -1,9 +1,9 @@
-"""GPS sentences as frames, for who wants to see what a receiver says (``decode --link gps.nmea``).
+"""GPS sentences as frames, to show what a receiver sends (``decode --link gps.nmea``).
 
     $GNGGA,...*hh CR LF      any sentence with its checksum; GGA and RMC are read, field by field
 
-What the runtime believes of them is another matter (protocol.nmea): there the two sentences of an
-epoch become one fix. What does not live here: the rules of single fields (protocol.nmea_fields).
+The runtime uses protocol.nmea instead: there the two sentences of an epoch become one fix. What
+does not live here: the rules of single fields (protocol.nmea_fields).
 """
 
 from __future__ import annotations
@@ -22,15 +22,15 @@ from protocol.nmea_fields import TALKERS, Gga, Refused, Rmc, read_gga, read_rmc
 _BODY = re.compile(rb"\$[\x20-\x23\x25-\x29\x2b-\x7e]*")
 _STAR, _SUM = ord("*"), re.compile(rb"\*[0-9A-Fa-f]{2}")
 _CUT = {
-    ord("\r"): FaultKind.BAD_CHECKSUM,  # there is none
+    ord("\r"): FaultKind.BAD_CHECKSUM,  # no checksum
     ord("\n"): FaultKind.BAD_CHECKSUM,
     ord("$"): FaultKind.TRUNCATED,
 }
 
 
 class NmeaFrame(FrameType):
-    """One sentence with its line end. A sentence says little of itself that could be doubted: a
-    GGA or RMC with a wrong field is refused, one without a fix is kept."""
+    """One sentence with its line end. A GGA or RMC with a wrong field is refused; one without a
+    fix is kept, with the flag ``no_fix``."""
 
     name, title, lead = "gps.NMEA", "NMEA 0183", b"$"
 
@@ -76,7 +76,7 @@ class NmeaFrame(FrameType):
 
 
 def _read(text: bytes) -> Gga | Rmc | None:
-    """Raises Refused."""
+    """Read a GGA or RMC, None for another sentence. Raises Refused."""
     name, *fields = text[1:].decode("ascii").split(",")
     if name[:2] not in TALKERS or name[2:] not in ("GGA", "RMC"):
         return None

@@ -1,13 +1,13 @@
-"""The operator's words that the Pi itself answers (document 000, chapter 1.1): a word is a row.
+"""The operator's commands that the Pi itself answers (document 000, chapter 1.1), one row each.
 
     WORDS[StartMission].frame(tolerances)      @AA$
-    with WORDS.registered(row): ...            one more, for a while
+    with WORDS.registered(row): ...            one more, until the block ends
 
-Codecs, acknowledgements, the protocol reference, what a refusal is called and the boat's programs
-come from the rows.
+Codecs, acknowledgements, the protocol reference, the names of refusals and the topside programs are
+made from these rows.
 
-What does not live here: the frames (``protocol.topside_frames``), what is relayed, X and W
-(``protocol.topside``), what a word does (``mission.engine.orders``).
+What does not live here: the frames (``protocol.topside_frames``), relayed commands, X and W
+(``protocol.topside``), the effect of a command (``mission.engine.orders``).
 """
 
 from __future__ import annotations
@@ -41,10 +41,10 @@ def _bare(message: Any) -> Values:
 
 @dataclass(frozen=True, slots=True)
 class OperatorWord:
-    """``code``: its two letters, in the frame's lead and in its acknowledgement. ``letter`` is the
-    one that says yes; "" where a report answers. ``frame`` follows from tolerances; ``read`` makes
-    the message of a frame's values, ``write`` the values of a message. ``examples``: good frames.
-    """
+    """One command. ``code``: its two letters in the frame's lead and in the acknowledgement.
+    ``letter``: the result letter for done; "" if a report is the answer. ``frame`` returns the
+    frame type under given tolerances. ``read`` turns a frame's values into a message, ``write`` a
+    message into values. ``examples``: good frames."""
 
     code: str
     message: type
@@ -56,7 +56,7 @@ class OperatorWord:
 
     @property
     def name(self) -> str:
-        """Of its frame."""
+        """The name of its frame type."""
         return f"auv.{self.code}"
 
 

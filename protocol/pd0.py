@@ -2,12 +2,16 @@
 
     7F 7F | bytes, u16 | spare | types n | n offsets, u16 | types ... | reserved | sum, u16
 
-All little-endian; the sum is that of all bytes before it, modulo 65536. ``bytes`` counts all but
-the sum. Of the types two are read: the fixed leader (0000), whose byte 26 says the axes, and the
-bottom track (0600): velocities over ground from its byte 25, those of the water layer from its byte
-51, mm/s, -32768 where there is none. PD0 says how ground and water move past the instrument; what
-is yielded is how the vehicle moves, as in PD6. Only ship's axes: beams and instrument's axes need a
-mounting that nobody has told us, earth's axes have the log's own compass in them.
+All numbers are little-endian. The sum is over all bytes before it, modulo 65536. ``bytes`` counts
+all but the sum. Two types are read, with bytes counted from 1:
+
+    0000  fixed leader    byte 26: the axes
+    0600  bottom track    from byte 25: velocities over ground; from byte 51: of the water layer;
+                          mm/s, -32768 if there is none
+
+PD0 gives the velocity of ground and water relative to the instrument; ``velocities`` returns the
+vehicle's own, as PD6 does. Only ship's axes are accepted: for beam and instrument axes the mounting
+is not known, and earth axes include the log's own compass.
 
 Source: Teledyne RD Instruments, Workhorse Commands and Output Data Format, "PD0". What does not
 live here: where an ensemble ends among other lines (added).
@@ -23,7 +27,7 @@ MARK = b"\x7f\x7f"
 SMALLEST, LARGEST = 8 + 59 + 2, 4096  # bytes, of the count in the header
 MOST_TYPES = 16
 _HEADER = struct.Struct("<2sHBB")
-TOLD = _HEADER.size + 2  # bytes after which no more are needed to tell
+TOLD = _HEADER.size + 2  # bytes that are enough to tell whether an ensemble begins
 _NONE = -32768
 _FIXED, _BOTTOM = 0x0000, 0x0600
 _AXES, _SHIP = 25, 0b10  # byte of the fixed leader, 0 the first; bits 3 and 4 of it
@@ -41,7 +45,7 @@ class Unfit(ValueError):
 
 
 def length(data: bytes) -> int | Whole:
-    """Bytes of the ensemble that ``data`` begins with, with its sum."""
+    """Return the length in bytes, sum included, of the ensemble at the start of ``data``."""
     if not MARK.startswith(data[:2]):
         return Whole.NEVER
     if len(data) < _HEADER.size:
@@ -56,8 +60,8 @@ def length(data: bytes) -> int | Whole:
 
 
 def begins(data: bytes, start: int, end: int) -> int:
-    """Where from ``start`` on, before ``end``, the first ensemble begins, or may do so where fewer
-    than TOLD bytes follow; -1: none does."""
+    """Return where the first ensemble begins (or may begin, if fewer than TOLD bytes follow), from
+    ``start`` on and before ``end``; -1 if none does."""
     while (start := data.find(MARK, start, end)) >= 0:
         if length(data[start : start + TOLD]) is not Whole.NEVER:
             break
@@ -70,8 +74,8 @@ def sum16(data: bytes) -> int:
 
 
 def velocities(ensemble: bytes) -> Iterator[tuple[bool, float, float]]:
-    """Over ground or not, ahead and to starboard in m/s. ``ensemble`` is as long as ``length``
-    says. Raises Unfit."""
+    """Yield whether over ground (else through water), ahead and starboard, m/s. ``ensemble`` has
+    the length that ``length`` returned. Raises Unfit."""
     if sum16(ensemble[:-2]) != _word(ensemble, len(ensemble) - 2):
         raise Unfit("sum")
     parts = _parts(ensemble)
@@ -86,7 +90,7 @@ def velocities(ensemble: bytes) -> Iterator[tuple[bool, float, float]]:
 
 
 def _parts(ensemble: bytes) -> dict[int, int]:
-    """Where each type that is read begins. Raises Unfit."""
+    """Return where each type that is read begins. Raises Unfit."""
     found: dict[int, int] = {}
     for n in range(ensemble[5]):
         at = _word(ensemble, _HEADER.size + 2 * n)

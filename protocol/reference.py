@@ -2,10 +2,10 @@
 
     links -> one section per type: drawing, table of fields, examples, errata -> tolerances, faults
 
-docs/protocol.md is this program's output and is compared with it by a test: whoever changes a table
-writes the file anew. What does not live here: any fact about a frame. Those stand in the tables,
-in protocol.examples, protocol.errata and protocol.units; a few text frames that no table of items
-describes are drawn by ``_CELLS``.
+docs/protocol.md is the output of this program; a test compares the two. After a change of a table,
+write the file again. What does not live here: facts about frames. They are in the frame tables,
+in protocol.examples, protocol.errata and protocol.units. ``_CELLS`` draws a few text frames that
+have no table of items.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ from protocol.vehicles.robot import COMMANDS, DownFrame
 
 
 def _commas(lead: str, *names: str) -> tuple[Cell, ...]:
-    """A comma before and behind every item."""
+    """Return cells with a comma before and after every item."""
     inner = [cell for name in names for cell in (("", name), ("", ","))]
     return (("0", lead), (str(len(lead)), ","), *inner, ("", "$"))
 
@@ -141,7 +141,7 @@ def _section(frame: FrameType) -> Iterator[str]:
 
 
 def _length(frame: FrameType, cells: Sequence[Cell]) -> int:
-    """0 where it varies. A text frame has one where every parameter has."""
+    """Return 0 if the length varies. In a text frame it is fixed if that of each item is."""
     where, what = cells[-1]
     return frame.length or (int(where) + 1 if what == "$" and where else 0)
 

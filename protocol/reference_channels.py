@@ -1,4 +1,4 @@
-"""The part of the protocol reference about what frames carry beside motion and telemetry."""
+"""The part of the protocol reference about channels and sources (protocol.vehicles.channels)."""
 
 from __future__ import annotations
 

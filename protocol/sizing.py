@@ -1,14 +1,14 @@
-"""How long an acoustic burst should be, and its blocks: what the channel has shown, what pays best.
+"""The best length of an acoustic burst and of its blocks, from what the channel has shown so far.
 
-Two things lose bytes: something that takes a burst whole (``loss``), and wrong bits, of which one
-spoils the block that it falls into (``errors`` per bit). What became of each says something:
+Bytes are lost in two ways: a whole burst is lost (probability ``loss``), or a bit error spoils the
+block that it is in (``errors`` per bit). Every result is evidence of both:
 
     P(a block comes, of a burst that came) = exp(-8 errors (bytes of the block))
     P(question and answer come) = (1 - loss)^2 exp(-8 errors (bytes of both))
 
-The posterior over a small grid of both, from a prior that takes neither for granted, gives the
-expected bytes per second of each burst in blocks of each length; the best is taken (Bayes' rule, no
-constant to tune at sea).
+Bayes' rule gives the posterior over a small grid of both, from a prior that excludes neither. From
+it follow the expected bytes per second of each length of burst and block, of which the best is
+taken. No constant has to be tuned at sea.
 
 What does not live here: what is sent (protocol.batch), when (protocol.arq).
 """
@@ -23,7 +23,7 @@ from protocol.modem import MOST, OVERHEAD
 
 LOSSES = (0.02, 0.1, 0.2, 0.3, 0.4, 0.5)
 ERRORS = (0.0, 1e-6, 1e-5, 3e-5, 1e-4, 3e-4, 1e-3)
-PRIOR = (0.2, 0.15, 0.15, 0.15, 0.15, 0.1, 0.1)  # of ERRORS; the losses are alike
+PRIOR = (0.2, 0.15, 0.15, 0.15, 0.15, 0.1, 0.1)  # of ERRORS; all LOSSES are equally likely
 SIZES = (100, 150, 225, 340, 500, 750, 1100, 1600, 2300, MOST)
 BLOCKS = (1, 2, 3, 5, 8, 13, MOST)  # lines
 _QUESTION = 4  # bytes
@@ -31,7 +31,7 @@ _QUESTION = 4  # bytes
 
 @dataclass(frozen=True, slots=True)
 class Plan:
-    """Bytes of a burst, and of one block in it; a block of ``size`` is a burst in one piece."""
+    """Bytes of a burst, and of one block in it. If they are equal, the burst is one block."""
 
     size: int
     block: int
@@ -39,8 +39,8 @@ class Plan:
 
 @dataclass(frozen=True, slots=True)
 class Task:
-    """Bytes: what is ``left``, a ``line`` of it on average, ``head`` beside it in every burst, the
-    ``answer`` that is expected, and the ``longest`` that is waited for."""
+    """Bytes: those ``left`` to send, their average ``line``, the ``head`` that every burst also
+    has, the ``answer`` that is expected, and the ``longest`` answer that the timeout allows."""
 
     left: int
     line: int
@@ -56,7 +56,7 @@ class _Guess:
     weight: float
 
     def whole(self, size: int) -> float:
-        """P(no wrong bit) in a content of so many bytes."""
+        """Return P(no bit error) in a content of ``size`` bytes."""
         return math.exp(-8.0 * self.errors * (size + OVERHEAD))
 
     def arrives(self, size: int) -> float:
@@ -74,14 +74,14 @@ class Channel:
         self._norm()
 
     def learn(self, request: int, answer: int, *, came: bool) -> None:
-        """An exchange of so many bytes of content: answered or not."""
+        """Learn from an exchange of so many bytes of content: answered or not."""
         for guess in self._guesses:
             both = guess.arrives(request) * guess.arrives(answer)
             guess.weight *= both if came else 1.0 - both
         self._norm()
 
     def learn_block(self, size: int, *, came: bool) -> None:
-        """A block of a burst that came: whole or spoilt."""
+        """Learn from a block of a burst that arrived: whole or spoilt."""
         for guess in self._guesses:
             whole = guess.whole(size)
             guess.weight *= whole if came else max(1.0 - whole, 1e-6)
@@ -94,16 +94,16 @@ class Channel:
         return max(plans, key=lambda plan: self._bytes_per_second(plan, task))
 
     def asking_pays(self, size: int, sent: int, task: Task) -> bool:
-        """Whether a question is better than a burst of so many bytes said again, after ``sent`` of
-        them without an answer. With p = P(the burst came), t the time of its way and q the mean
-        time of a question: where t p > q (1 - p), what is said in vain costs more than what is
-        asked so."""
+        """Whether a short question is better than repeating a burst of ``size`` bytes, which was
+        sent ``sent`` times without an answer. With p = P(the burst arrived), t the time of its way
+        and q the mean time of a question: if t p > q (1 - p), a needless repetition costs more than
+        a needless question."""
         asked = task.head + _QUESTION
         good, bad = self._seconds(asked, task)
         question = came = 0.0
         for guess in self._guesses:
             there, back = guess.arrives(asked), guess.arrives(task.answer)
-            unanswered = there * (1.0 - back) / (1.0 - there * back)  # came, and yet no answer
+            unanswered = there * (1.0 - back) / (1.0 - there * back)  # arrived, but no answer
             question += guess.weight * (there * back * good + (1.0 - there * back) * bad)
             came += guess.weight * (1.0 - (1.0 - unanswered) ** sent)
         return self._acoustics.way(size) * came > question * (1.0 - came)
@@ -130,7 +130,7 @@ class Channel:
         return gain / seconds
 
     def _seconds(self, size: int, task: Task) -> tuple[float, float]:
-        """That an exchange takes: answered, and not answered."""
+        """Return the time, s, of an exchange: answered, and not answered."""
         water = self._acoustics
         travel = 2.0 * water.range_m / SOUND_SPEED
         good = travel + water.way(size) + water.way(task.answer) + GATHER

@@ -1,6 +1,6 @@
-"""Where frames can begin in a stream: by their first bytes, before anything is measured.
+"""Where frames can begin in a stream, by their first bytes alone.
 
-What does not live here: what stands there (framing).
+What does not live here: whether a frame is really there (framing).
 """
 
 from __future__ import annotations
@@ -13,8 +13,8 @@ from protocol.fields import FrameType
 
 
 def by_start(types: Sequence[FrameType], torn: bytes) -> dict[bytes, tuple[FrameType, ...]]:
-    """Which frames may begin with these two bytes, or with the buffer's last one. ``torn``: how
-    one begins that another tears behind its first byte; b"" where none is."""
+    """Map two bytes, or the buffer's last single byte, to the frames that may begin with them.
+    ``torn``: two bytes of a host with a guest directly behind its first byte; b"" for none."""
     starts = {t.lead[:size] for t in types for size in (1, 2)}
     for short in (t.lead for t in types if len(t.lead) == 1):
         starts |= {short + bytes([second]) for second in range(256)}
@@ -27,14 +27,15 @@ def by_start(types: Sequence[FrameType], torn: bytes) -> dict[bytes, tuple[Frame
 
 
 def finder(firsts: set[bytes]) -> Callable[[bytes], Callable[[int], int]]:
-    """For the data: where the next frame can begin, -1 for nowhere."""
+    """Return a function of the data. It returns a function of an offset, and that one returns
+    where the next frame can begin from there on, -1 for nowhere."""
     if len(firsts) == 1:
         (first,) = firsts
         return partial(_byte_in, first)
     return partial(_pattern_in, re.compile(b"[" + b"".join(map(re.escape, sorted(firsts))) + b"]"))
 
 
-# No closures: a framer is copied, and mypyc's cannot be.
+# No closures: a framer is copied, and mypyc's closures cannot be copied.
 
 
 def _byte_in(first: bytes, data: bytes) -> Callable[[int], int]:

@@ -1,4 +1,4 @@
-"""``@AE,1,...$``: how the vehicle is, in at most 64 bytes, with an age to every value (R4).
+"""The state report ``@AE,1,...$``: at most 64 bytes, with the ages of report and fix (R4).
 
     @AE,1,AU,Y,1,423,38,-120,45,7,860,31,1.9,0,F50%H90S3,survey/row,$
 
@@ -6,8 +6,8 @@
     estimate less last fix: north, east, m | left to the limits of depth, radius (m), time (min),
     voltage (V) | alarms, a mask | setpoint in force | leg
 
-What is not known is empty, what is beyond its range stands at the end of it. Setpoint and leg, the
-last, take what room there is; a ``~`` stands for what there was none for.
+An unknown value is empty; a value beyond its range is sent as the end of the range. Setpoint and
+leg, the last items, take the space that is left; ``~`` replaces what does not fit.
 
 What does not live here: what the bits of the mask mean (``mission.model.alarms``).
 """
@@ -104,15 +104,16 @@ def _number(item: Item, text: str) -> float | None:
 
 
 def _written(item: Item, value: float | None) -> str:
-    """At the end of its range where it is beyond it."""
+    """Return the value as text, clamped to its range; "" if it is not known."""
     if value is None or math.isnan(value):
         return ""
     return format_decimal(item.name, min(max(value, item.low), item.high), item.places)
 
 
 def fitted(report: StateReport, encoded: int) -> StateReport:
-    """Setpoint and leg cut to what is left of ``MOST`` where the frame of ``report`` would have
-    ``encoded`` bytes. Of a leg its own name stays longest, a setpoint is whole or not there."""
+    """Return ``report``, whose frame would have ``encoded`` bytes, with setpoint and leg cut so
+    that it has ``MOST``. The setpoint stays whole or becomes ``~``. The leg loses its groups first,
+    then the end of its own name."""
     spare = MOST - encoded + len(report.setpoint) + len(report.leg)
     setpoint = report.setpoint if len(report.setpoint) <= spare else CUT[:spare]
     room = spare - len(setpoint)
@@ -146,7 +147,7 @@ STICK = "M"
 
 
 def setpoint_text(command: Setpoint | Order | None) -> str:
-    """With the document's letters, shares in percent: ``F50%H90S3``; "" for nothing."""
+    """Return a command in the document's letters, shares in percent: ``F50%H90S3``; "" for None."""
     if command is None:
         return ""
     if isinstance(command, Order):
@@ -165,7 +166,7 @@ def setpoint_text(command: Setpoint | Order | None) -> str:
 
 
 def setpoint_words(text: str) -> str:
-    """For people; a text that is none as it stands."""
+    """Return such a text in words for the operator; any other text unchanged."""
     if text in _ALONE:
         return _ALONE[text]
     parts = re.findall(r"([A-Z])(-?[0-9.]+)%?", text)

@@ -1,4 +1,4 @@
-"""The table of ``@VS``: what the Pi tells topside about the vehicle (document 000, table 2.1.2).
+"""The table of ``@VS``, the Pi's status report to topside (document 000, table 2.1.2).
 
     @VS time,longitude,latitude,...,servo 2 $      30 fields
 
@@ -60,7 +60,7 @@ TABLE = (
     ),
 )
 NAMES = tuple(item.name for item in TABLE)
-_UNTOLD = slice(5, 12)  # course to altitude: one of these the 29-field form leaves out
+_UNTOLD = slice(5, 12)  # course to altitude: the 29-field form lacks one of these
 
 
 class StatusFrame(FrameType):
@@ -71,7 +71,7 @@ class StatusFrame(FrameType):
         self._empty, self._short = tolerances.on("vs_empty"), tolerances.on("vs_29")
         self._separated = tolerances.on("vs_sep")
         if bare:
-            self.lead = b"@2"  # the millennium: nothing else of this link begins so
+            self.lead = b"@2"  # the first digit of the year: no other frame of this link begins so
         self._skip = 1 if bare else 3
 
     def measure(self, data: bytes, at: int, end: int) -> int | FaultKind:

@@ -1,10 +1,10 @@
-"""Tables of rows that are made to be added to: a new kind of something is one row in one file.
+"""Tables that can be extended: a new kind of something is one row in one file.
 
-    LEGS.register(TYPE)                   for good
-    with LEGS.registered(TYPE): ...       for a while
+    LEGS.register(TYPE)                   permanently
+    with LEGS.registered(TYPE): ...       until the block ends
 
-Whatever is made of a table (a parser, a list of words) is ``derived``: made once, and anew when the
-table has changed. So no module keeps what a table said when it was imported.
+Whatever is made from a table (a parser, a list of words) is ``derived``: it is made once, and again
+after the table has changed. So no module keeps the state that a table had at import.
 """
 
 from __future__ import annotations
@@ -20,8 +20,8 @@ T = TypeVar("T")
 
 
 class Table(Mapping[K, R], Generic[K, R]):
-    """Rows by ``key``, in the order in which they were registered. ``fault`` says why a row does
-    not go with the others, or ""."""
+    """Rows by ``key``, in the order of their registration. ``fault`` returns why a row conflicts
+    with the others, or ""."""
 
     def __init__(
         self,
@@ -43,7 +43,7 @@ class Table(Mapping[K, R], Generic[K, R]):
         return len(self._rows)
 
     def register(self, row: R) -> None:
-        """Raises ValueError if there is such a row already, or one that it contradicts."""
+        """Raises ValueError if the key is registered already, or the row conflicts with others."""
         key = self._key(row)
         if key in self._rows:
             raise ValueError(f"{key} is registered already")
@@ -54,7 +54,7 @@ class Table(Mapping[K, R], Generic[K, R]):
 
     @contextmanager
     def registered(self, row: R) -> Iterator[R]:
-        """The row is there until the block is left."""
+        """Register the row until the block ends."""
         self.register(row)
         try:
             yield row
@@ -71,7 +71,7 @@ class Table(Mapping[K, R], Generic[K, R]):
 
 
 def derived(*tables: Table[Any, Any]) -> Callable[[Callable[[], T]], Callable[[], T]]:
-    """Decorates a function of ``tables``: its result is kept until one of them has changed."""
+    """Decorate a function of ``tables``: its result is cached until one of them changes."""
 
     def decorate(make: Callable[[], T]) -> Callable[[], T]:
         kept = functools.cache(make)

@@ -3,8 +3,9 @@
     MT = TextFrame("auv.MT", "000 table 1.2.2", "@MT",
                    (Int("thruster", 1, 5), Sep(","), Int("gear", -12, 12)))
 
-Strict grammar (E-F6): integers are ``-?[0-9]{1,5}``, no blanks, no ``+``; printable ASCII only; an
-``@`` inside or a length beyond ``limit`` ends the candidate. Values out of range refuse the frame.
+Strict grammar (E-F6): integers are ``-?[0-9]{1,5}``, no blanks, no ``+``; printable ASCII only. An
+``@`` inside or a length beyond ``limit`` ends the candidate. A frame with a value out of range is
+refused.
 
 What does not live here: binary frames (``protocol.fields``) and the tables themselves
 (``protocol.topside_frames``, ``protocol.vehicles.auv``).
@@ -28,7 +29,7 @@ _TAIL, _TAIL_BYTE = b"$", 0x24
 
 
 class Refused(Exception):
-    """Inside a parser only: leaves as the FaultKind that ``check`` returns."""
+    """Raised in parsers only; ``check`` returns its FaultKind."""
 
     def __init__(self, kind: FaultKind) -> None:
         super().__init__(kind)
@@ -36,7 +37,8 @@ class Refused(Exception):
 
 
 def text_length(data: bytes, at: int, body: int, end: int, limit: int) -> int | FaultKind:
-    """Length of a text candidate whose text begins at ``body``: up to the first ``$``."""
+    """Return the length of a text candidate, up to its first ``$``; 0 if that is still to come.
+    ``body``: where the text begins, behind the lead."""
     found = _END_OR_BAD.search(data, body, min(end, at + limit))
     if found is None:
         return FaultKind.BAD_LENGTH if end - at >= limit else 0
@@ -55,7 +57,7 @@ def parse_integer(text: str) -> int:
 
 
 def parse_decimal(text: str) -> float:
-    """An int where it is written as one, so that it is written as one again."""
+    """Return an int if ``text`` has no point, so that it is encoded without one again."""
     if not text:
         raise Refused(FaultKind.EMPTY_FIELD)
     if not _DECIMAL.fullmatch(text):
@@ -64,7 +66,7 @@ def parse_decimal(text: str) -> float:
 
 
 def format_decimal(name: str, value: Any, places: int | None = None) -> str:
-    """Shortest without exponent; with ``places`` exactly so many decimals."""
+    """Write a number as short as possible without exponent, or with ``places`` decimals."""
     if isinstance(value, bool) or not isinstance(value, (int, float)):
         raise CannotEncode(f"{name}: a number is needed, not {value!r}")
     if not abs(value) < 1e9:
@@ -82,7 +84,7 @@ def _shortest(value: float) -> str:
     return text.rstrip("0").rstrip(".")
 
 
-# --- what a table is written in ---
+# --- the items of a table ---
 
 
 @dataclass(frozen=True, slots=True)
@@ -120,7 +122,7 @@ class Letters:
 
 @dataclass(frozen=True, slots=True)
 class Digit:
-    """One digit that is a number: ``choices`` are the digits allowed."""
+    """One digit, read as a number; ``choices`` are the digits allowed."""
 
     name: str
     choices: str
@@ -162,8 +164,8 @@ Rule = Callable[[Values], FaultKind | None]
 
 
 class TextFrame(FrameType):
-    """``lead``, the items, ``$``. ``rule`` refuses what no single item can see; ``derive`` adds
-    what follows from the parameters (it is no parameter itself)."""
+    """``lead``, the items, ``$``. ``rule`` checks parameters against each other; ``derive`` adds
+    values that follow from the parameters and are not in the frame."""
 
     def __init__(
         self,
@@ -219,7 +221,8 @@ class TextFrame(FrameType):
 
 
 def parse_items(items: Sequence[Item], body: str) -> Values:
-    """Separators first (``field_count``), then the parameters from left to right."""
+    """Check the number of separators (``field_count``), then read the parameters from left to
+    right. Raises Refused."""
     separators = {item.char for item in items if isinstance(item, Sep)}
     if any(isinstance(item, Int) for item in items):
         separators.add(",")
@@ -241,7 +244,7 @@ def parse_items(items: Sequence[Item], body: str) -> Values:
 
 
 def _bounded(items: Sequence[Item], i: int) -> bool:
-    """A letter that another parameter follows directly ends by its size."""
+    """Whether another parameter follows directly: then the size of this one gives its end."""
     follower = items[i + 1] if i + 1 < len(items) else None
     return follower is not None and not isinstance(follower, Sep)
 

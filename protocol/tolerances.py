@@ -1,7 +1,7 @@
 """The tolerances (T) of docs/protocol.md by name: what a decoder accepts beyond the N reading.
 
-They come from the vehicle file and from ``--option NAME=VALUE``. Each codec asks for those that
-concern it; an unknown name or value is an error here, before any byte is read.
+They come from the vehicle file and from ``--option NAME=VALUE``. Each codec reads those that
+concern it. An unknown name or value raises UnknownTolerance before any byte is read.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from protocol.checksum import SD_DEFAULT, SD_PROFILES
 
 
 class UnknownTolerance(ValueError):
-    """Says which names or values there are."""
+    """No such tolerance or value; the text lists those that exist."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,7 +68,7 @@ _ALIASES = {
 
 @dataclass(frozen=True, slots=True)
 class Tolerances:
-    """What is set; everything else has its default."""
+    """The tolerances that are set; all others have their default."""
 
     chosen: Mapping[str, str] = field(default_factory=dict)
 

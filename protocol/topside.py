@@ -1,14 +1,14 @@
-"""What topside and the Pi say to each other, as messages (document 000, chapters 1.1, 1.2, 2.1).
+"""The messages between topside and the Pi (document 000, chapters 1.1, 1.2, 2.1).
 
     TopsideCodec   the Pi's side:        bytes -> Command | FrameFault
     ConsoleCodec   the topside's side:   bytes -> Answer | FrameFault
     encode         any of these messages -> one frame
 
-R and rudder commands and every M are relayed to the STM32 unchanged (``Relay``, ``Manual`` keep
-the frame); ``@ZAX0$`` and ``@ZAWF$`` are taken from topside as well (R7).
+R and rudder commands and every M are relayed to the STM32 unchanged (``Relay`` and ``Manual`` keep
+the frame). ``@ZAX0$`` and ``@ZAWF$`` are accepted from topside as well (R7).
 
 What does not live here: the frame tables (``protocol.topside_frames``, ``protocol.status_frame``),
-who may command, what is answered when (``mission.onboard.runtime.operator_server``), the modem's
+who may command and which answer follows (``mission.onboard.runtime.operator_server``), the modem's
 envelope.
 """
 
@@ -47,12 +47,12 @@ from protocol.tolerances import Tolerances
 Answer = Ack | StoreReport | StateReport | Status
 
 EMERGENCIES = {Order.STOP: b"@ZAX0$", Order.SURFACE: b"@ZAWF$"}
-IDLE = 0.05  # s; a network hands over whole frames
+IDLE = 0.05  # s; a network delivers whole frames
 _USUAL = Tolerances()
 
 
 def relayed_frames(tolerances: Tolerances) -> tuple[FrameType, ...]:
-    """Tables 1.2.1 and 1.2.2: for the STM32, through the Pi."""
+    """Return the frames for the STM32 that the Pi relays (tables 1.2.1 and 1.2.2)."""
     sticks = (tables.stick("MS", "speed", tolerances), tables.stick("MP", "force", tolerances))
     power = (tables.RS, tables.RI)
     return (*power, tables.MT, tables.MD, tables.D, tables.MM, tables.MR, *sticks)
@@ -65,7 +65,7 @@ def to_pi_frames(tolerances: Tolerances) -> tuple[FrameType, ...]:
 
 
 def to_topside_frames(tolerances: Tolerances) -> tuple[FrameType, ...]:
-    acks = AckFrame("NASRZ", tolerances, "XW")  # what became of X and W (R7)
+    acks = AckFrame("NASRZ", tolerances, "XW")  # the Z codes are X and W (R7)
     status: tuple[FrameType, ...] = (StatusFrame(tolerances),)
     if tolerances.on("vs_no_vs"):
         status += (StatusFrame(tolerances, bare=True),)
@@ -89,13 +89,13 @@ def _words_by_code() -> dict[str, OperatorWord]:
 
 
 def _letter(code: str) -> str:
-    """That says yes; of RS, which the STM32 answers, too."""
+    """Return the result letter for done; also of RS, which the STM32 answers."""
     return "S" if code == "RS" else _words_by_code()[code].letter
 
 
 @derived(WORDS)
 def _usual_frames() -> dict[type, FrameType]:
-    """Under the N readings."""
+    """Return the frame types of the commands under the N readings."""
     return {word.message: word.frame(_USUAL) for word in WORDS.values()}
 
 
@@ -105,7 +105,7 @@ def _acks() -> AckFrame:
 
 
 def command_of(frame: Frame) -> Command:
-    """The message of a frame of ``to_pi_frames``."""
+    """Return the message of a frame of ``to_pi_frames``."""
     if (word := _words_by_frame().get(frame.type.name)) is not None:
         read: Command = word.read(frame.values())
         return read
@@ -116,7 +116,7 @@ def command_of(frame: Frame) -> Command:
 
 
 class TopsideCodec:
-    """One per connection: each has a stream of its own."""
+    """The Pi's codec. One per connection, as each is a stream of its own."""
 
     def __init__(self, tolerances: Tolerances | None = None) -> None:
         self.framer = Framer(to_pi_frames(tolerances or Tolerances()), idle=IDLE)
@@ -141,7 +141,8 @@ _STORE, _STATE, _STATUS = tables.StoreFrame(), StateFrame(), StatusFrame(_USUAL)
 
 
 def encode(message: Command | Answer, tolerances: Tolerances = _USUAL) -> bytes:
-    """One frame under the N readings, ``@VS`` in its ``tolerances``' units. Raises CannotEncode."""
+    """Encode one frame under the N readings; ``tolerances`` set the units of ``@VS``. Raises
+    CannotEncode."""
     match message:
         case Relay(frame=frame) | Manual(frame=frame):
             return frame
@@ -161,13 +162,13 @@ def encode(message: Command | Answer, tolerances: Tolerances = _USUAL) -> bytes:
 
 
 def _encode_state(report: StateReport) -> bytes:
-    """Its texts as long as they fit."""
+    """Encode the report with its texts cut to fit."""
     size = len(_STATE.lead) + len(_STATE.format(values_of(report))) + 1
     return _STATE.encode(values_of(fitted(report, size) if size > MOST else report))
 
 
 def encode_ack(ack: Ack) -> bytes:
-    """The nine bytes, whatever the result byte is: masks are raw. Raises CannotEncode."""
+    """Return the nine bytes; a mask is any raw byte. Raises CannotEncode."""
     raw = b"@ACK_%b%b%c$" % (ack.group.encode(), ack.function.encode(), ack.result)
     if _acks().check(raw) is not None:
         raise CannotEncode(f"no acknowledgement reads {ack}")
@@ -175,18 +176,18 @@ def encode_ack(ack: Ack) -> bytes:
 
 
 def answer(code: str, ok: bool, now: float) -> Ack:
-    """The Ack to the word of this code; refused ones carry N (R2)."""
+    """Return the Ack to the command of this code; if it was refused, the result is N (R2)."""
     return Ack(now, code[0], code[1], ord(_letter(code) if ok else "N"))
 
 
-# per m/s and per T, and the decimals that are written (E-V16, E-V18)
+# units per m/s and per T, and the number of decimals (E-V16, E-V18)
 _SPEEDS = {"cm/s": (100, 0), "m/s": (1.0, 2), "km/h": (3.6, 2), "kn": (3600 / 1852, 2)}
 _MAGNETIC = {"nT": (1e9, 0), "uT": (1e6, 3)}
 
 
 def status_values(status: Status, tolerances: Tolerances = _USUAL) -> Values:
-    """The 30 values of ``@VS`` in wire units. What is not known is None, and so is what is out of
-    the table's range: one broken sensor must not hide the other fields (G4)."""
+    """Return the 30 values of ``@VS`` in wire units. A value that is unknown or outside the table's
+    range is None: one broken sensor must not hide the other fields (G4)."""
     speed, field = _SPEEDS[tolerances["vs_speed"]], _MAGNETIC[tolerances["vs_mag"]]
     fix, telemetry = status.fix, status.telemetry or Telemetry(0.0)
     values: Values = {"time": status.time}
@@ -219,7 +220,7 @@ def status_values(status: Status, tolerances: Tolerances = _USUAL) -> Values:
     return values
 
 
-_ABSURD = 1e8  # no reading of this vehicle comes near
+_ABSURD = 1e8  # far above any reading of this vehicle
 
 
 def _filled(values: Sequence[float | None], count: int) -> list[float | None]:
@@ -241,7 +242,7 @@ def _degrees(angle: float | None, places: int = 7) -> float | None:
 
 
 def _yaw(heading: float | None) -> float | None:
-    """Compass heading to the yaw of ``@SD`` (E-V8, E-V10)."""
+    """Convert a compass heading, rad, to the yaw of ``@SD``, deg (E-V8, E-V10)."""
     if heading is None:
         return None
     return _degrees(-math.remainder(heading, 2 * math.pi), 2)
@@ -251,7 +252,7 @@ def _yaw(heading: float | None) -> float | None:
 
 
 def answer_of(frame: Frame, tolerances: Tolerances = _USUAL) -> Answer:
-    """The message of a frame of ``to_topside_frames``."""
+    """Return the message of a frame of ``to_topside_frames``."""
     if frame.type.name == "auv.ACK":
         return ack_of(frame)
     values = frame.values()
@@ -266,7 +267,7 @@ def ack_of(frame: Frame) -> Ack:
 
 
 def status_of(values: Values, now: float, tolerances: Tolerances = _USUAL) -> Status:
-    """What the values of ``@VS`` say, in SI; ``now`` is when they came."""
+    """Convert the values of ``@VS`` to SI; ``now``: time of their arrival."""
     radians = {k: None if v is None else math.radians(v) for k, v in values.items() if _is_angle(k)}
     fix = None
     if radians["lon_deg"] is not None and radians["lat_deg"] is not None:
@@ -311,7 +312,7 @@ def _known(values: Sequence[float | None], divisor: float) -> tuple[float, ...] 
 
 
 class ConsoleCodec:
-    """One per connection to a vehicle."""
+    """The topside's codec. One per connection to a vehicle."""
 
     def __init__(self, tolerances: Tolerances | None = None) -> None:
         self._tolerances = chosen = tolerances or Tolerances()

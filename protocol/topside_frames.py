@@ -1,15 +1,16 @@
-"""Frame tables of document 000, chapters 1.1, 1.2, 2.1: what topside and the Pi say to each other.
+"""Frame tables of document 000, chapters 1.1, 1.2, 2.1: frames between topside and the Pi.
 
     to the Pi      @NS @NI   @AA @AC @AW @AQ @AE @AO   @ST @SP   @DU
     relayed        @RS @RI   @MT @MD @MM @MR @MS @MP   @D
-    to topside     @ACK_   @VS   @AR
+    to topside     @AR
 
-``@AW`` and ``@ACK_`` carry binary bytes and are delimited by length (G1); the others are pure text.
-@AQ, @AE, @AO and @AR use codes that the document reserves (R4). docs/protocol.md has readings and
-tolerances.
+``@AW`` has a head of fixed length with binary counters (G1) and then text up to the first ``$``;
+the others are pure text. @AQ, @AE, @AO and @AR use codes that the document reserves (R4).
+docs/protocol.md has readings and tolerances.
 
-What does not live here: messages (``protocol.topside``), the Z class and ``@SD``
-(``protocol.vehicles.auv``).
+What does not live here: messages (``protocol.topside``), ``@ACK_`` (``protocol.ack_frame``),
+``@VS`` (``protocol.status_frame``), the report ``@AE,1`` (``protocol.state_frame``), the Z class
+(``protocol.motion_frame``), ``@SD`` (``protocol.vehicles.auv``).
 """
 
 from __future__ import annotations
@@ -35,15 +36,15 @@ from protocol.text import (
 )
 from protocol.tolerances import Tolerances
 
-LONG = 400  # longest @VS and @AR
+LONG = 400  # bytes of the longest @VS and @AR
 NODES = ("Pi", "STM32", "BDGPS", "UACM", "CAMERA", "AUTO")
 SENSORS = ("CTD", "altimeter", "BDGPS", "UACM", "radio", "magnetometer", "light")
 ALWAYS_ON = (0, 4)  # of SENSORS: the document's note to @RS
-MOST_LINES = 9999  # R3, and why it is not 65535: E-F3
+MOST_LINES = 9999  # of a mission (R3); E-F3 has the reason why it is not 65535
 
 
 def letters_of(mask: int, count: int) -> str:
-    """Bit 0 is the first letter (table 2.1.1, and 3.1 by E-T3)."""
+    """Return a mask as letters O and C; bit 0 is the first (table 3.1, and 2.1.1 by E-T3)."""
     return "".join("O" if mask >> bit & 1 else "C" for bit in range(count))
 
 
@@ -97,7 +98,7 @@ class MissionLineFrame(FrameType):
         return text_length(data, at, body, end, limit)
 
     def _counters(self, head: bytes) -> tuple[int, int] | None:
-        """Total and current line, the latter from 1; None where they are no counters."""
+        """Return the total and the current line, counted from 1; None if they are not valid."""
         if self._decimal and head[3:7].isdigit():
             total, current = int(head[3:5]), int(head[5:7])
         else:
@@ -166,7 +167,7 @@ class TimeFrame(TextFrame):
         return f",{year:04}/{month:02}/{day:02} {hour:02}:{minute:02}:{second:02},"
 
 
-MOST = 65535  # of a limit of @SP
+MOST = 65535  # greatest value of a limit in @SP
 
 
 class SafetyFrame(TextFrame):
@@ -215,7 +216,7 @@ class SafetyFrame(TextFrame):
 
 
 class OutputFrame(TextFrame):
-    """``@AO,name,value,$`` (R4): an output by its name in the vehicle file."""
+    """``@AO,name,value,$`` (R4): sets an output, by its name in the vehicle file."""
 
     NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,23}")
 
@@ -246,7 +247,8 @@ SERVO = (Letters("mode", 1, "AS"), Digit("servo", "123"), Sep(","), Int("angle",
 
 
 def _rudder(values: Values) -> FaultKind | None:
-    """Set: the travel; add: any step within the whole of it."""
+    """Check the angle: with S it must be within the travel; with A any step up to the whole travel
+    is allowed."""
     lowest, highest = RUDDER_TRAVEL
     beyond = values["mode"] == "S" and not lowest <= values["angle"] <= highest
     return FaultKind.OUT_OF_RANGE if beyond else None
@@ -264,7 +266,8 @@ MR = TextFrame(
 
 
 def stick(kind: str, first: str, tolerances: Tolerances) -> TextFrame:
-    """``@MS`` and ``@MP``: how strong, and where to, 0 at starboard counter-clockwise (E-V12)."""
+    """``@MS`` and ``@MP``: speed or force, then the direction: 0 starboard, counter-clockwise
+    (E-V12)."""
     least = 0 if tolerances.on("ms_zero") else 1
     items = (Int(first, least, 120), Sep(","), Int("angle", -180, 180))
     return TextFrame(f"auv.{kind}", "000 table 1.2.2", f"@{kind}", items)

@@ -1,6 +1,6 @@
 """The unit of a decoded value: by the suffix of its name, else by its frame.
 
-What does not live here: units of mission texts (mission.model.units); inside, all is SI.
+What does not live here: units of mission texts (mission.model.units). Messages are in SI.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ _BY_FRAME = {
 
 
 def unit(frame: str, name: str) -> str:
-    """ "" for a pure number, a code, a text."""
+    """Return the unit; "" for a pure number, a code or a text."""
     by_frame = next((u for key, u in _BY_FRAME.items() if f"{frame}.{name}".startswith(key)), "")
     suffix = name.rpartition("_")[2]
     return _BY_SUFFIX.get(suffix, by_frame) if "_" in name else by_frame

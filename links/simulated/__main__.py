@@ -1,10 +1,10 @@
-"""The simulated AUV as a process of its own, behind two pseudo-terminals.
+"""The simulated AUV as a process of its own, behind pseudo-terminals.
 
     python -m links.simulated [--profile as-built] [--seed 0] [--speed 1] [--set KEY=VALUE ...]
                               [--position LAT,LON] [--track FILE]
 
-One JSON object on stdout when it is ready: the paths of both pseudo-terminals, and the wall clock
-(s since 1970 UTC) at its time 0. It runs until it is terminated (process.py).
+When it is ready it prints one JSON object: the paths of its pseudo-terminals, and the wall clock
+(s since 1970 UTC) at its time 0. It runs until it gets SIGTERM or SIGINT (process.py).
 """
 
 from __future__ import annotations

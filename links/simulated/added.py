@@ -1,14 +1,15 @@
-"""Sensors that were added to the simulated vehicle, on a line of their own.
+"""Sensors that are added to the simulated vehicle, on a serial line of their own.
 
-    $VDVHW    speed log, once a second       :WS, :BS   Doppler log, once a second; :BS where the
+    $VDVHW    speed log, once a second       :WS, :BS   Doppler log, once a second; :BS valid if the
     $VDGLL    acoustic position, every 5 s              ground is within REACH; or the same as PD0
-    $CAMPR    way from a beacon, every 5 s,
-              in turn from each
+    $CAMPR    range to a beacon, every 5 s,
+              each beacon in turn
 
-Noise is white; the draws are the sensors' own, so that without them nothing else is different.
-Each lies by itself, from a time on: ``frozen`` says the last for ever, ``silent`` nothing, ``wild``
-anything; ``offset`` is off by a tenth of what a wild one may be, ``drift`` by as much in 100 s, and
-``delay`` says what was true DELAY before.
+Noise is white. The sensors have a random generator of their own: with or without them everything
+else is the same. From a given time on a sensor may report wrong values, each independently:
+
+    frozen   the last value           silent  nothing              wild   random values
+    offset   off by 10 % of WILD      drift   as much in 100 s     delay  the values of DELAY before
 
 What does not live here: the decoder.
 """
@@ -30,11 +31,11 @@ SENSORS = ("speed_log", "doppler", "acoustic", "ranges")
 LIES = ("frozen", "silent", "wild", "offset", "drift", "delay")
 REACH = 60.0  # m above the ground
 LATENCY, COMPLETE = 0.15, 0.35  # s from the second that is measured: first byte, last byte
-PLACES = 5  # s between two positions, and between the ways from two beacons
+PLACES = 5  # s between two positions, and between the ranges to two beacons
 DELAY = 20.0  # s
 SOUND = 1500.0  # m/s
 WILD = {"speed_log": 3.0, "doppler": 3.0, "acoustic": 300.0, "ranges": 300.0}  # m/s, m: at most
-_USUAL = {"offset": 0.1, "drift": 0.001}  # of the same; a second
+_USUAL = {"offset": 0.1, "drift": 0.001}  # shares of WILD; drift: per second
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,8 +48,8 @@ class SimulatedBeacon:
 
 @dataclass(frozen=True, slots=True)
 class Lie:
-    """``how`` of LIES, since ``since`` s. ``value``: what an offset is off by, a drift in a second,
-    a wild one at most, and by how many s a delay is late."""
+    """Wrong values of kind ``how`` (LIES), from ``since`` s on. ``value``: the offset, the drift
+    per second, the greatest wild value, or the delay in s."""
 
     how: str
     since: float
@@ -56,13 +57,13 @@ class Lie:
 
 
 def usual(sensor: str, how: str) -> float:
-    """The value of a lie that says none."""
+    """The default value of a lie."""
     return DELAY if how == "delay" else _USUAL.get(how, 1.0) * WILD[sensor]
 
 
 @dataclass(slots=True)
 class _Memory:
-    """What one sensor said last, and what it would have said before, with the times."""
+    """What one sensor sent last, and its true measurements before, with their times."""
 
     last: bytes = b""
     before: deque[tuple[float, bytes]] = field(default_factory=deque)
@@ -70,8 +71,8 @@ class _Memory:
 
 @dataclass(frozen=True, slots=True)
 class Fitted:
-    """One sigma of what is fitted (m/s, m/s, m, m); None: it is not there. ``binary``: the
-    Doppler log says PD0."""
+    """The added sensors, by their noise: one sigma (m/s, m/s, m, m); None: not fitted. ``binary``:
+    the Doppler log sends PD0. ``lie``: what all of them do from ``lies_from`` on."""
 
     speed_log: float | None = None
     doppler: float | None = None
@@ -90,7 +91,7 @@ class Fitted:
 
 
 class AddedSensors:
-    """``lies``: which of them lies, and how; beside what ``fitted`` says of all."""
+    """The added sensors. ``lies``: by sensor; they take priority over the lie of ``fitted``."""
 
     def __init__(self, fitted: Fitted, seed: int) -> None:
         self.fitted, self.queue = fitted, deque[Chunk]()
@@ -99,7 +100,7 @@ class AddedSensors:
         self._memory = {sensor: _Memory() for sensor in SENSORS}
 
     def report(self, now: float, plant: Plant, place: tuple[float, float]) -> None:
-        """What was measured at ``now``, a whole second; ``place``: true latitude and longitude."""
+        """Queue the measurements of ``now``, a whole second. ``place``: true position, rad."""
         says = {
             "speed_log": lambda: self._speed_log(now, plant),
             "doppler": lambda: self._doppler(now, plant),
@@ -124,7 +125,7 @@ class AddedSensors:
         return self.lies.get(sensor)
 
     def _said(self, sensor: str, now: float, data: bytes) -> bytes:
-        """``data`` as it was measured, or what the sensor says instead of it."""
+        """What the sensor sends: ``data`` as measured, or what its lie makes of it."""
         if not data:
             return b""
         memory, lie = self._memory[sensor], self.lie(sensor, now)
@@ -172,7 +173,7 @@ class AddedSensors:
         return sentence(f"CAMPR,{beacon.number},1,{heard / SOUND:.5f}")
 
     def _off(self, sensor: str, value: float, now: float) -> float:
-        """With its noise, or as the lie has it."""
+        """``value`` with the sensor's noise, and with its wild, offset or drift error."""
         lie = self.lie(sensor, now)
         most = lie.value if lie is not None and lie.how == "wild" else WILD[sensor]
         noise = self._rng.gauss(0.0, getattr(self.fitted, sensor))

@@ -1,9 +1,9 @@
-"""What can go wrong with sensors that were added: rows as in faults, for vehicles that have them.
+"""Faults of added sensors: rows as in faults, for vehicles that have these sensors.
 
-    speed_log_wild, doppler_frozen, ...   each sensor and each of its lies
+    speed_log_wild, doppler_frozen, ...   each sensor with each lie
     gps2_stuck, gps2_wanders, ...         the second receiver
 
-What does not live here: what a lie makes of a value (added).
+What does not live here: what a lie does to a value (added).
 """
 
 from __future__ import annotations

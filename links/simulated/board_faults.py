@@ -1,8 +1,8 @@
-"""What can go wrong with the boards of documents 002 to 004: rows as in faults.
+"""Faults of the boards of documents 002 to 004: rows as in faults.
 
-Those of the body are the AUV's own rows; a row of a board has the name of its like there.
+Faults of the body are the AUV's own rows. A fault of a board has the name of the AUV's similar one.
 
-What does not live here: when (schedule).
+What does not live here: when faults begin and end (schedule).
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ def _switch(part: str, says: str, duration: float = 60.0) -> Fault:
 def _set(
     part: str, says: str, value: float, usual: float, unit: str = "", duration: float = 60.0
 ) -> Fault:
-    """``part`` of the board's troubles."""
+    """A fault that sets ``part`` of the board's troubles."""
 
     def begin(vehicle: Any, value: float) -> None:
         setattr(vehicle.board.troubles, part, value)
@@ -64,4 +64,4 @@ OF_BOARDS = {
     "mainboard": LINE | IN_WATER | BATTERY | LEAK,
     "motorcan": {name: IN_WATER[name] for name in _BODY},
 }
-ANY: Mapping[str, Fault] = ChainMap(FAULTS, *OF_BOARDS.values())  # the AUV's own first
+ANY: Mapping[str, Fault] = ChainMap(FAULTS, *OF_BOARDS.values())  # the AUV's own rows first

@@ -2,12 +2,12 @@
 
     send --> board --> thrusters --> plant (20 Hz) --> sensors --> report --> receive
 
-Time is what the caller says, as in link.py, and the same members are there for who asks a
-simulated vehicle; there is no receiver of its own (what a core board knows of its place it
-reports). Batteries fall as they are used.
+The caller gives the time, as in link.py, and SimulatedBoard has the same members as
+SimulatedVehicle. There is no GPS receiver: a core board reports its own position. Battery voltages
+fall with use.
 
-What does not live here: frames and what a board does with them (firmware/boards.py), what can go
-wrong (board_faults.py).
+What does not live here: frames and what a board does with them (firmware/boards.py), faults
+(board_faults.py).
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ ON_BUS: dict[str, type[WaterBoard]] = {"motorcan": MotorBoards, "mainboard": Sen
 
 @dataclass(slots=True)
 class BoardLink:
-    """Both directions of its serial line."""
+    """The board's serial line, both directions."""
 
     vehicle: SimulatedBoard
     name: str = "vehicle"
@@ -88,7 +88,7 @@ class BoardLink:
 
 @dataclass(frozen=True, slots=True)
 class NoReceiver:
-    """Where the AUV has its GPS: a line on which nothing is ever said."""
+    """In place of the AUV's GPS line: a line on which nothing is ever sent."""
 
     name: str = "gps"
 
@@ -120,9 +120,9 @@ class SimulatedBoard:
         tolerances: Mapping[str, str] = DOCUMENTED,
         wire: Mapping[str, str] = DOCUMENTED,
     ) -> None:
-        """``name`` is that of the codec, ``position`` latitude and longitude in rad; ``tolerances``
-        and ``wire``: how the board was built, as in a vehicle file. Raises SettingError for a
-        fault that this board cannot have."""
+        """``name`` is the codec's, ``position`` latitude and longitude in rad. ``tolerances`` and
+        ``wire``: how the board was built, as in a vehicle file. Raises SettingError for a fault
+        that this board cannot have."""
         chosen = settings or Settings()
         self._sea = chosen.sea
         self.name, self.seed, self.position = name, seed, position
@@ -144,10 +144,10 @@ class SimulatedBoard:
         self.vehicle_link, self.gps_link = BoardLink(self), NoReceiver()
         self._edges = edges(chosen.faults, OF_BOARDS[name], STEP, name)
         self._in_force = InForce(OF_BOARDS[name])
-        self._faults = Random(f"faults {seed}")  # of their own, so that a sound board says the same
+        self._faults = Random(f"faults {seed}")  # of its own: faults change no other draw
         self._free = 0.0
         self._step, self._report_steps = 0, round(self.board.period / STEP)
-        self.thrust_used = 0.0  # J, without what it needs at rest
+        self.thrust_used = 0.0  # J, without the power at rest (HOTEL_W)
         self._anchor = (*position, 0.0, 0.0)
         self.track.append(self.truth())
 
@@ -180,18 +180,18 @@ class SimulatedBoard:
                 self.track.append(self.truth())
 
     def answer(self, now: float) -> None:
-        """E-P8: a handshake is answered by one ordinary report."""
+        """Answer a handshake by one ordinary report (E-P8)."""
         if isinstance(self.board, RobotBoard) and self.board.asked:
             self.board.asked = False
             self._say(self._report(), now)
 
     def restart(self) -> None:
-        """Its power was cut: it is neutral until it hears something."""
+        """Restart after a power cut: neutral until the next good frame."""
         self.board.heard = -inf
 
     @property
     def turning(self) -> bool:
-        """Whether a thruster or a wheel pushes."""
+        """Whether a thruster pushes, or the robot moves."""
         plant = self.plant
         if isinstance(plant, Ground):
             return max(abs(plant.u), abs(plant.v), abs(plant.r)) > TURNING
@@ -223,7 +223,7 @@ class SimulatedBoard:
         )
 
     def _power(self) -> float:
-        """W, hotel and thrusters; of the robot, the wheels."""
+        """W: hotel load and thrusters, or the robot's wheels."""
         plant = self.plant
         if isinstance(plant, Ground):
             return HOTEL_W + WHEELS_W * hypot(plant.u, plant.v)

@@ -3,7 +3,7 @@
     MotorBoards <-- records of CAN frames -- can://GROUP?interface=udp_multicast, or socketcan
     SensorBoard <-- pty ------------------->                       (of the mainboard alone)
 
-Its motor boards hear the bus and say nothing on it; the sensor board has a line of its own.
+The motor boards receive frames from the bus and send none. The sensor board has a serial line.
 
 What does not live here: the boards (firmware/motors.py), vehicles on serial lines (pty.py).
 """
@@ -19,7 +19,7 @@ from links.simulated.boards import SimulatedBoard
 from links.simulated.firmware.sensor_board import SensorBoard
 from links.simulated.pty import PtyVehicle
 
-LOOK_S = 0.01  # real, between two looks at the bus
+LOOK_S = 0.01  # s of real time between two reads of the bus
 
 
 def run_on_bus(
@@ -30,7 +30,7 @@ def run_on_bus(
     ready: Callable[..., None],
     stop: Callable[[], bool],
 ) -> None:
-    """Until ``stop`` says so. Raises LinkError."""
+    """Run until ``stop`` returns True. Raises LinkError."""
     bus = open_link("vehicle", url)
     try:
         with PtyVehicle(vehicle, speed) as line:
@@ -47,7 +47,7 @@ def run_on_bus(
 
 
 def _wait(fileno: int) -> None:
-    """For a frame, or until it is time to look."""
+    """Wait for a frame, or at most LOOK_S."""
     if fileno < 0:
         time.sleep(LOOK_S)
     else:

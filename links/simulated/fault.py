@@ -1,6 +1,6 @@
-"""What a fault of the simulated vehicle is, and what of a vehicle it acts upon.
+"""The type of a fault of the simulated vehicle, and the parts of a vehicle that faults act upon.
 
-What does not live here: the faults (faults, added_faults), those of boards (board_faults).
+What does not live here: the faults (faults, added_faults), faults of boards (board_faults).
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from links.simulated.sensors import Sensors
 
 
 class Parts(Protocol):
-    """What of a simulated vehicle a fault acts upon."""
+    """The parts of a simulated vehicle that faults act upon."""
 
     plant: Plant
     sensors: Sensors
@@ -28,7 +28,7 @@ class Parts(Protocol):
     added: AddedSensors | None
     usual_splice: float
     sea: Sea
-    current: tuple[float, float]  # m/s north, east: what sets now
+    current: tuple[float, float]  # m/s north, east: the present one
 
     @property
     def now(self) -> float: ...
@@ -39,15 +39,15 @@ Act = Callable[[Parts, float], None]
 
 @dataclass(frozen=True, slots=True)
 class Fault:
-    """``needs``: the key of SETTINGS without which the vehicle has no such part, "" if it has.
-    ``slot``: what it takes hold of, "" for a part of its own: of those that take hold of the same
-    the newest counts. ``adds``: it takes hold of nothing, and acts beside all others."""
+    """One fault. ``needs``: the key of SETTINGS that fits the faulty part; "": always fitted.
+    ``slot``: the part that it changes; "": one that no other fault changes. Of faults with the same
+    slot the newest counts. ``adds``: it has no slot, and adds to all others."""
 
     says: str
     begin: Act
     end: Act
     value: float = 0.0
-    unit: str = ""  # of the value; empty: it has none
+    unit: str = ""  # of the value; "": the fault has no value
     duration: float = 60.0  # s
     needs: str = ""
     slot: str = ""

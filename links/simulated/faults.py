@@ -1,8 +1,8 @@
-"""What can go wrong with the simulated vehicle: one table of rows, each switched on for a while.
+"""Faults of the simulated vehicle: one table, FAULTS. Each can be switched on for a while.
 
-A row says what it does, its default value and duration, and how it begins and ends. Faults begin
-and end on control ticks (0.2 s). What does not live here: when (settings.FaultEvent), or that a
-``WF`` does not stick: that is how the board is built; sensors that are added (added_faults).
+A row has a description, a default value and duration, and how the fault begins and ends. Faults
+begin and end on control ticks (0.2 s). What does not live here: when (settings.FaultEvent), faults
+of added sensors (added_faults), that ``WF`` does not last (the board is built like that).
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from links.simulated.plant import LEFT_MAIN, RIGHT_MAIN
 from links.simulated.sensors import Health, Sensor
 from links.simulated.wrong import Deaf, Drifting, Late, Stuck, Wrong
 
-_ROLL, _HEADING, _DEPTH, _ALTITUDE = 0, 2, 4, 5  # slots of what ``Sensors.sample`` returns
+_ROLL, _HEADING, _DEPTH, _ALTITUDE = 0, 2, 4, 5  # places in the list of ``Sensors.sample``
 _CURRENT, _BATTERY, _WEIGHT = "current", "battery", "weight"  # slots of faults
 
 FLICKER = 0.8  # V
@@ -39,7 +39,7 @@ def _sensor(sensor: Sensor, health: Health) -> Fault:
 def _bent(
     slot: int, says: str, value: float, unit: str, scale: float = 1.0, factor: float = 1.0
 ) -> Fault:
-    """``scale`` brings the value into the sensor's unit."""
+    """A constant error. ``scale`` converts the value to the sensor's unit."""
 
     def begin(vehicle: Parts, value: float) -> None:
         vehicle.sensors.bent[slot] = (factor, scale * value)
@@ -65,7 +65,7 @@ def _wrong(
 def _looks_well(
     name: str, slot: int, unit: str, noise: float, drift: float, scale: float = 1.0
 ) -> dict[str, Fault]:
-    """Stuck with so much noise, drifting by so much a second, and late."""
+    """Faults with plausible values: stuck with ``noise``, drifting by ``drift`` a second, late."""
     return {
         f"{name}_stuck": _wrong(slot, f"{name} is stuck, and noisy", Stuck, noise, unit, scale),
         f"{name}_drifting": _wrong(slot, f"{name} drifts", Drifting, drift, f"{unit}/s", scale),
@@ -104,7 +104,7 @@ def _gps(name: str, says: str) -> Fault:
 
 
 def _weak(thrusters: tuple[int, ...], says: str, left: float = 0.4) -> Fault:
-    """Of several the least that is left of a thruster counts."""
+    """Weak thrusters. If several faults weaken one, the least remaining share counts."""
 
     def begin(vehicle: Parts, share: float) -> None:
         for thruster in thrusters:
@@ -150,8 +150,9 @@ def _accept(vehicle: Parts, _: float) -> None:
 
 
 def _dives(until: str, says: str, duration: float = 60.0) -> Fault:
-    """At full power whatever it is told, but for one word, or none; one that hears it is tamed. A
-    board that steers finds its own way back; one that waits for a command is at rest."""
+    """The board dives at full power whatever it is sent; the code ``until`` ends this ("": none
+    does). When the fault ends, a board that steers corrects the thrusters by itself; one in mode
+    DEFAULT is set to rest here."""
 
     def begin(vehicle: Parts, _: float) -> None:
         vehicle.stm32.dives.append(until)

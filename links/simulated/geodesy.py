@@ -1,8 +1,8 @@
-"""Where the simulated vehicle is on the globe: WGS84, independent of the engine's geodesy.
+"""Positions of the simulated vehicle on the globe: WGS84, independent of the engine's geodesy.
 
-Positions are carried as latitude and longitude and moved in small steps by the radii of curvature
-(meridian M, prime vertical N), so no plane and no origin is involved; ``local`` goes through
-earth-centred coordinates instead. What does not live here: the estimate's projection.
+A position is latitude and longitude. It moves in small steps by the radii of curvature (meridian M,
+prime vertical N), so no plane and no origin is needed. ``local`` uses earth-centred coordinates
+instead. What does not live here: the estimate's projection.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ ECCENTRICITY_2 = FLATTENING * (2 - FLATTENING)
 
 
 def moved(latitude: float, longitude: float, north: float, east: float) -> tuple[float, float]:
-    """The position ``north`` and ``east`` metres further; exact for steps of some metres."""
+    """The position moved by ``north`` and ``east`` metres; exact for steps of some metres."""
     w2 = 1 - ECCENTRICITY_2 * sin(latitude) ** 2
     prime = SEMI_MAJOR / sqrt(w2)
     meridian = prime * (1 - ECCENTRICITY_2) / w2
@@ -34,7 +34,7 @@ def _earth_centred(latitude: Any, longitude: Any, by: Any = math) -> tuple[Any, 
 
 @lru_cache(maxsize=16)
 def _tangent(origin: tuple[float, float]) -> tuple[float, ...]:
-    """Where the plane touches, and the sines and cosines that turn into it."""
+    """Earth-centred coordinates of the origin, and sines and cosines to turn into its plane."""
     latitude, longitude = origin
     turn = sin(latitude), cos(latitude), sin(longitude), cos(longitude)
     return (*_earth_centred(latitude, longitude), *turn)
@@ -43,8 +43,8 @@ def _tangent(origin: tuple[float, float]) -> tuple[float, ...]:
 def local(
     origin: tuple[float, float], latitude: Any, longitude: Any, by: Any = math
 ) -> tuple[Any, Any]:
-    """North and east in the tangent plane at ``origin`` (latitude, longitude), m: of one place, or
-    of arrays of places with ``by`` numpy."""
+    """North and east in the tangent plane at ``origin`` (latitude, longitude), m. For arrays of
+    positions ``by`` is numpy."""
     x0, y0, z0, slat, clat, slon, clon = _tangent(origin)
     x1, y1, z1 = _earth_centred(latitude, longitude, by)
     dx, dy, dz = x1 - x0, y1 - y0, z1 - z0

@@ -1,6 +1,6 @@
-"""The ground that the robot of document 004 drives on: ahead, aside, a turn on the spot, no water.
+"""The motion of the robot of document 004 on dry ground: ahead, sideways, and turns on the spot.
 
-It has what a plant has, so that the same things can be asked of both; depth is 0 everywhere.
+It has the attributes of a plant, so the same code can read both; the depth is always 0.
 """
 
 from __future__ import annotations
@@ -9,26 +9,26 @@ from math import cos, exp, sin
 
 from links.simulated.plant import STEP
 
-LEVER = 0.6  # m: at 1 m/s of its wheels it turns by 1.67 rad/s on the spot
-LAG = 0.2  # s of the drive
+LEVER = 0.6  # m: at a wheel speed of 1 m/s it turns on the spot by 1.67 rad/s
+LAG = 0.2  # s, time constant of the drive
 
 
 class Ground:
     lever = LEVER
 
     def __init__(self, share: float = 1.0) -> None:
-        """``share``: of the speeds that are asked for."""
+        """``share`` of the commanded speeds that it reaches."""
         self._of_asked = share
         self.north = self.east = self.yaw = 0.0
         self.u = self.v = self.r = 0.0
         self.depth = self.depth_rate = self.roll = self.pitch = self.floor = 0.0
         self.current_north = self.current_east = 0.0
-        self.aground = False  # it never drives with its antenna below the ground
+        self.aground = False  # its antenna is always above ground
         self._asked = (0.0, 0.0, 0.0)
         self._share = 1.0 - exp(-STEP / LAG)
 
     def drive(self, asked: tuple[float, float, float]) -> None:
-        """m/s ahead and to starboard, rad/s to starboard."""
+        """Set the commanded speeds: m/s ahead and to starboard, rad/s to starboard."""
         ahead, aside, turn = asked
         share = self._of_asked
         self._asked = (share * ahead, share * aside, share * turn)

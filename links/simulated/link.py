@@ -1,12 +1,12 @@
-"""The simulated vehicle: plant, sensors, board and GPS on one clock, and its two links.
+"""The simulated AUV: plant, sensors, board and GPS on one clock, and its links.
 
     send --> uart burst --> firmware --> PWMs --> plant (20 Hz) --> sensors --> @SD --> receive
                             controls at 5 Hz                        2 s    \\--> GGA, RMC  1 s
 
-Time is what the caller says: ``advance`` brings everything to that time, and what comes out does
-not depend on how the way there was cut. ``receive`` gives a frame when its last byte is through,
-with the time of its first byte; ``next_event`` foretells that time, so that a loop in lock step
-can jump from frame to frame.
+The caller gives the time: ``advance`` brings everything to it. The output does not depend on the
+size of the steps. ``receive`` returns a frame when its last byte has been sent, with the time of
+its first byte. ``next_event`` predicts when that is, so a loop in lock step can jump from frame to
+frame.
 
 What does not live here: real time (pty.py).
 """
@@ -49,7 +49,7 @@ _NEVER = 1 << 62
 
 
 class Truth(NamedTuple):
-    """What is really so; angles in rad. A tuple, because one is made every second."""
+    """The true state; angles in rad. A tuple, because one is made every second."""
 
     t: float
     origin: tuple[float, float]  # latitude and longitude of the start
@@ -80,16 +80,16 @@ class Truth(NamedTuple):
 
 
 class _Pace:
-    """How the reports follow each other: a firmware waits for 2 s behind what it has just done, and
-    is kept from it by other work. Some boards are mostly early, others mostly late."""
+    """Intervals between reports: a firmware waits 2 s after each report, and other work delays it.
+    Some boards are mostly early, others mostly late."""
 
     def __init__(self, uneven: float, seed: int) -> None:
         most = round(uneven / TICK)
-        self._rng = Random(f"pace {seed}")  # of its own: even reports are what they were
+        self._rng = Random(f"pace {seed}")  # of its own: nothing else changes
         self._early, self._late = self._rng.randint(0, most), self._rng.randint(0, most)
 
     def ticks(self) -> int:
-        """To the next one."""
+        """Ticks to the next report."""
         if not (self._early or self._late):
             return REPORT_TICKS
         return REPORT_TICKS + self._rng.randint(-self._early, self._late)
@@ -108,7 +108,7 @@ class SimulatedVehicle:
         start: datetime = START,
     ) -> None:
         """``position`` is latitude and longitude, ``declination`` that of the place (east positive)
-        unless ``settings`` say otherwise, all in rad; ``start`` is the wall clock at time 0."""
+        unless ``settings`` has another, all in rad. ``start`` is the wall clock at time 0."""
         if profile not in PROFILES:
             raise ValueError(f"no profile {profile!r}; known: {', '.join(PROFILES)}")
         self.profile, self.seed, self.position = profile, seed, position
@@ -160,7 +160,7 @@ class SimulatedVehicle:
         return self._tick * TICK
 
     def advance(self, to_t: float) -> None:
-        """Everything that happens up to and with ``to_t``."""
+        """Simulate everything up to ``to_t``, inclusive."""
         stm32, last = self.stm32, int(to_t / TICK + 1e-6)
         while True:
             due = stm32.due
@@ -214,7 +214,7 @@ class SimulatedVehicle:
             self.added.report(now, plant, place)
 
     def _flow(self) -> None:
-        """The current where the vehicle is."""
+        """Set the current at the vehicle's depth."""
         plant, sea = self.plant, self.settings.sea
         north, east = self.current
         if sea.deep_current is not None:
@@ -227,7 +227,7 @@ class SimulatedVehicle:
     # --- faults ----------------------------------------------------------------------------
 
     def _refuse_lacking(self) -> None:
-        """SettingError for a fault of what is not fitted."""
+        """Raise SettingError for a fault of a sensor that is not fitted."""
         for event in self.settings.faults:
             needs = FAULTS[event.name].needs
             if not self.settings.has(needs):
@@ -274,10 +274,10 @@ class SimulatedVehicle:
             self.sensors.used,
         )
 
-    # --- what the links foretell -----------------------------------------------------------
+    # --- predictions for the links ---------------------------------------------------------
 
     def _foretell(self) -> None:
-        """At which tick to stop next; when the next of each is through, with nothing in its way."""
+        """Set the next tick to stop at, and when the next output of each kind will be complete."""
         self._next_stop = min(self._next_report, self._next_second, self._next_edge)
         self.report_through = self._next_report * TICK + REPORT_TIME
         self.epoch_through = self._next_second * TICK + COMPLETE
@@ -289,7 +289,7 @@ class SimulatedVehicle:
 
 
 class _Side:
-    """What both links of the vehicle have in common: in memory, on its clock."""
+    """The common part of the vehicle's links: in memory, on its clock."""
 
     name: str
 
@@ -334,7 +334,7 @@ class VehicleLink(_Side):
 
 
 class GpsLink(_Side):
-    """The line of the receiver; nothing is ever said to it."""
+    """The line of the GPS receiver, which is sent nothing."""
 
     name = "gps"
 
@@ -351,7 +351,7 @@ class GpsLink(_Side):
 
 
 def _second_gps(settings: Settings, seed: int, start: datetime) -> GpsReceiver | None:
-    """With draws of its own, so that without it nothing else is different."""
+    """The second receiver. Its own random generator leaves everything else as it is without it."""
     if settings.second_gps is None:
         return None
     errors = replace(settings.errors, fix_noise=settings.second_gps)
@@ -359,7 +359,7 @@ def _second_gps(settings: Settings, seed: int, start: datetime) -> GpsReceiver |
 
 
 class SecondLink(_Side):
-    """The line of a second receiver."""
+    """The line of a second GPS receiver."""
 
     name = "gps2"
 
@@ -380,7 +380,7 @@ class SecondLink(_Side):
 
 
 class AddedLink(_Side):
-    """The line of the sensors that were added; nothing is ever said to it."""
+    """The line of the added sensors, which are sent nothing."""
 
     name = "sensors"
 

@@ -1,6 +1,7 @@
-"""The binary ensemble of the simulated Doppler log: bottom and water track in ship's axes, PD0.
+"""The binary ensemble (PD0) of the simulated Doppler log: bottom and water track in ship's axes.
 
-Leaders are empty but for the axes. What does not live here: what is measured (added), the decoder.
+Leaders are empty except for the axes. What does not live here: the measurements (added), the
+decoder.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ Speeds = tuple[float, float]  # to starboard and ahead, m/s
 
 
 def ensemble(ground: Speeds | None, water: Speeds) -> bytes:
-    """``ground`` is None where there is no bottom in reach."""
+    """Build an ensemble. ``ground`` is None if the bottom is out of reach."""
     parts = {kind: bytearray(size) for kind, size in _SIZES.items()}
     at, offsets = 6 + 2 * len(parts), list[int]()
     for kind, part in parts.items():
@@ -32,7 +33,7 @@ def ensemble(ground: Speeds | None, water: Speeds) -> bytes:
 
 
 def _past(speeds: Speeds) -> tuple[int, int]:
-    """How ground or water move past the instrument, mm/s."""
+    """Velocity of ground or water relative to the instrument, mm/s."""
     if speeds == _NONE:
         return -32768, -32768
     return round(-1000.0 * speeds[0]), round(-1000.0 * speeds[1])

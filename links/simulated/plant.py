@@ -32,13 +32,13 @@ SERVO_PWM = 10.0  # us of one degree of rudder
 LEFT_MAIN, RIGHT_MAIN, REAR, LEFT, RIGHT, SERVO_LEFT, SERVO_RIGHT = range(7)
 NEUTRAL = (NEUTRAL_PWM,) * 7
 
-HEEL = radians(10.0)  # by which a hull leans when its ballast moves
-_NEAR = 1e-3  # N: a thruster this near to its target has arrived
+HEEL = radians(10.0)  # heel of the hull when its ballast moves
+_NEAR = 1e-3  # N: a thruster this near to its target has reached it
 
 
 @dataclass(frozen=True, slots=True)
 class Body:
-    """Parameters; SI. Masses and inertias include the added ones."""
+    """Parameters, SI units. Masses and inertias include the added ones."""
 
     mass_u: float = 90.0
     mass_v: float = 155.0
@@ -60,10 +60,10 @@ class Body:
     main_power: float = 2.0  # thrust ~ (PWM beyond the dead band) ** power
     vertical_thrust: float = 14.8  # N, one vertical thruster, saturated
     vertical_power: float = 1.4
-    arm_main: float = 0.25  # m, each main thruster off the centre line
-    arm_front: float = 0.4  # m, front verticals before the centre
+    arm_main: float = 0.25  # m, each main thruster from the centre line
+    arm_front: float = 0.4  # m, front verticals ahead of the centre
     arm_rear: float = 0.8  # m, rear vertical behind the centre: equal gears do not pitch
-    arm_side: float = 0.2  # m, front verticals off the centre line
+    arm_side: float = 0.2  # m, front verticals from the centre line
     thrust_lag: float = 0.2  # s
     rudder_pitch: float = 15.0  # N m per (m/s)^2 and rad, both rudders
     rudder_roll: float = 3.0  # N m per (m/s)^2 and rad of difference
@@ -83,7 +83,7 @@ def _thrust_table(full: float, power: float) -> tuple[float, ...]:
 class Plant:
     """The state of the body; ``drive`` sets the actuators for a tick, ``run`` integrates."""
 
-    # More attributes than instances share the keys of: without slots each is a search.
+    # Too many attributes for a key-sharing dict: without slots each access is slower.
     # fmt: off
     __slots__ = (
         "_constants", "_forces", "_main", "_pwm", "_rudders", "_servos", "_settled", "_share",
@@ -104,9 +104,9 @@ class Plant:
         self.current_north = self.current_east = 0.0
         self.buoyancy = self.body.buoyancy
         self.righting = self.body.righting  # N m; below 0 it lies upside down
-        self.heeling = 0.0  # N m to starboard, of weight beside the keel
+        self.heeling = 0.0  # N m to starboard, from weight off the keel line
         self.strength = [1.0] * 5  # share of its thrust that each thruster still has
-        self.weak: list[list[float]] = [[] for _ in range(5)]  # what leaves each how much
+        self.weak: list[list[float]] = [[] for _ in range(5)]  # shares that faults leave
         self.aground = False
         self._main = _thrust_table(self.body.main_thrust, self.body.main_power)
         self._vertical = _thrust_table(self.body.vertical_thrust, self.body.vertical_power)
@@ -121,7 +121,7 @@ class Plant:
         self._constants = self._per_step()
 
     def _per_step(self) -> tuple[float, ...]:
-        """What ``run`` needs of the body, in the order in which it unpacks it."""
+        """Constants of the body for ``run``, in the order in which it unpacks them."""
         b, dt = self.body, STEP
         return (
             *(b.mass_u, b.mass_v, b.mass_w),
@@ -156,17 +156,17 @@ class Plant:
 
     def weaken(self, thruster: int, share: float) -> None:
         self.strength[thruster] = share
-        self._pwm = ()  # so that the next ``drive`` looks at its targets again
+        self._pwm = ()  # so that the next ``drive`` computes its targets again
 
     def load(self, righting: float, heeling: float = 0.0) -> None:
-        """Sets other moments, as by ballast that moved, and heels the hull by ``HEEL``: a hull is
-        never quite level."""
+        """Set new moments, as after ballast has moved. The hull is heeled by ``HEEL``, because none
+        is ever exactly level."""
         self.righting, self.heeling = righting, heeling
         self.roll += HEEL
         self._constants = self._per_step()
 
     def drive(self, pwm: tuple[int, ...]) -> None:
-        """Let the thrusters follow these seven PWMs (1000..2000) for one tick: first order lag."""
+        """Let the thrusters follow seven PWMs (1000..2000) for one tick, with first order lag."""
         aimed = pwm != self._pwm
         if aimed:
             self._aim(pwm)
@@ -228,7 +228,7 @@ class Plant:
         )
 
     def run(self, steps: int) -> None:
-        """Integrate with constant forces. One function with local names: this is the hot loop."""
+        """Integrate with constant forces. The hot loop: one function with local names."""
         dt = STEP
         (
             mu, mv, mw, du, dv, dw, dp, dq, dr, cp, cq, cr, gp, gq, gr, fin, righting, heeling,
@@ -300,7 +300,7 @@ class Plant:
             self._lie(before)
 
     def _lie(self, before: tuple[float, float, float]) -> None:
-        """On the ground: no further down, and no way over it. Looked at once a ``run``."""
+        """Lie on the ground: no deeper, and no motion over it. Checked once per ``run``."""
         self.north, self.east, _ = before
         self.depth = self.floor - self.body.floor_clearance
         self.u = self.v = self.w = self.depth_rate = 0.0

@@ -1,4 +1,4 @@
-"""A simulated vehicle as a process: it runs until it is told to end, and then says where it was.
+"""A simulated vehicle as a process: it runs until a signal, and then may write its true track.
 
 What does not live here: command lines (__main__, the command vehicle), pseudo-terminals (pty).
 """
@@ -19,8 +19,8 @@ from links.simulated.pty import Simulated, run_on_ptys
 def serve(
     vehicle: Simulated, speed: float, ready: Callable[..., None], track: Path | None = None
 ) -> int:
-    """Until SIGTERM or SIGINT, which is returned. ``ready`` gets the paths of its lines. ``track``:
-    where it truly was, once a second: t, latitude, longitude (deg), depth (m)."""
+    """Run until SIGTERM or SIGINT; returns which. ``ready`` gets the paths of its lines. ``track``:
+    file for the true track, once a second: t (s), latitude, longitude (deg), depth (m)."""
     told = told_to_end()
     run_on_ptys(vehicle, speed, ready=ready, stop=lambda: bool(told))
     if track is not None:
@@ -35,7 +35,7 @@ def serve_on_bus(
     ready: Callable[..., None],
     track: Path | None = None,
 ) -> int:
-    """The same on a CAN bus. Raises LinkError."""
+    """The same as ``serve``, on a CAN bus. Raises LinkError."""
     told = told_to_end()
     run_on_bus(vehicle, url, speed, ready=ready, stop=lambda: bool(told))
     if track is not None:
@@ -44,7 +44,7 @@ def serve_on_bus(
 
 
 def told_to_end() -> list[int]:
-    """Gets the signals that tell this process to end, as they come."""
+    """Return a list that gets each SIGTERM and SIGINT of this process when it comes."""
     told: list[int] = []
     for number in (signal.SIGTERM, signal.SIGINT):
         signal.signal(number, lambda received, _: told.append(received))
@@ -52,7 +52,7 @@ def told_to_end() -> list[int]:
 
 
 def position(text: str | None) -> tuple[float, float]:
-    """LAT,LON in deg to rad; without a text the place of the demonstration. Raises ValueError."""
+    """LAT,LON in deg to rad; without a text, HOME. Raises ValueError."""
     if text is None:
         return HOME
     latitude, comma, longitude = text.partition(",")

@@ -4,11 +4,12 @@
                                           pty --> serial:///dev/pts/M  (GPS)
     SimulatedBoard   --115200 8N1 pace--> pty --> serial:///dev/pts/N  (core board, ROV, robot)
 
-With ``speed`` 8 everything, the bytes included, is eight times as fast. Bytes go out in slices
-(``SLICE``), each when the real line would have brought it; the loop sleeps in between. Faster than
-real time a chunk goes out whole, when its last byte would be through: the 50 ms after which a
-decoder gives up on an unfinished frame (G3) would be shorter than a scheduler's whim. What the
-other side writes is timed when it is read here, and then takes its time on the simulated line.
+With ``speed`` 8 everything, bytes included, is eight times as fast. Bytes are written in slices
+(``SLICE_S``), each at the time at which the real line would deliver it; the loop sleeps in between.
+Faster than real time a chunk is written whole, when its last byte is due. Otherwise scheduling
+delays could exceed the 50 ms after which a decoder gives up an unfinished frame (G3). Bytes from
+the other side get the time at which they are read here. They then take their time on the simulated
+line.
 
 What does not live here: the vehicles themselves (link.py, boards.py).
 """
@@ -31,7 +32,7 @@ from links.simulated.firmware import uart
 from links.simulated.firmware.uart import Chunk
 from links.simulated.link import SimulatedVehicle
 
-SLICE_S = 0.008  # of a line in one write
+SLICE_S = 0.008  # s of line time in one write
 READ = 4096
 SHORTEST_SLEEP, LONGEST_SLEEP = 0.0005, 0.2  # s, real
 
@@ -41,7 +42,7 @@ Simulated = SimulatedVehicle | SimulatedBoard
 
 @dataclass(frozen=True, slots=True)
 class Wire:
-    """One line of a vehicle. ``hear``: who takes what comes in on it, None: nobody."""
+    """One line of a vehicle. ``hear`` takes the bytes that come in; None: they are dropped."""
 
     name: str
     queue: deque[Chunk]
@@ -50,7 +51,7 @@ class Wire:
 
 
 def wires(vehicle: Simulated) -> tuple[Wire, ...]:
-    """That of the board, of GPS receivers where there are any, and of sensors that were added."""
+    """The lines of the board, of GPS receivers and of added sensors, as far as fitted."""
     if isinstance(vehicle, SimulatedBoard):
         return (Wire("vehicle", vehicle.queue, boards.BYTE_TIME, vehicle.vehicle_link.send),)
     said = {"gps": vehicle.gps, "sensors": vehicle.added, "gps2": vehicle.second_gps}
@@ -67,9 +68,9 @@ def ports(vehicle: Simulated) -> tuple[str, ...]:
 
 @dataclass(slots=True)
 class _Out:
-    """What is on its way to one pseudo-terminal: the board's own queue, written byte by byte.
+    """Output to one pseudo-terminal: the board's own queue, written slice by slice.
 
-    The queue is looked at anew each time, because an answer may still land in the head of it.
+    The queue is read again each time, because an answer may still be spliced into its first chunk.
     """
 
     fd: int
@@ -80,7 +81,7 @@ class _Out:
 
     @property
     def due(self) -> float:
-        """When the next slice is through."""
+        """When the next slice is due."""
         if not self.queue:
             return inf
         chunk = self.queue[0]
@@ -98,11 +99,11 @@ class _Out:
             try:
                 os.write(self.fd, piece)
             except BlockingIOError:
-                continue  # nobody reads: a real line would lose it as well
+                continue  # nobody reads: a real line would lose it too
 
 
 class PtyVehicle:
-    """Owns the pseudo-terminals; ``paths`` are for the other process."""
+    """A vehicle behind pseudo-terminals, which it owns. ``paths`` are for the other process."""
 
     def __init__(self, vehicle: Simulated, speed: float = 1.0) -> None:
         if not speed > 0.0:
@@ -136,7 +137,7 @@ class PtyVehicle:
         self._fds = []
 
     def run(self, until: float | None = None, stop: Callable[[], bool] | None = None) -> None:
-        """Until this simulated time (None: for ever), or until ``stop`` says so."""
+        """Run until this simulated time (None: no end), or until ``stop`` returns True."""
         if self._zero is None:
             self._zero = time.monotonic() - self.vehicle.now / self.speed
         while stop is None or not stop():
@@ -147,7 +148,7 @@ class PtyVehicle:
             self._wait(now)
 
     def step(self, now: float) -> None:
-        """Everything that is due by the simulated time ``now``."""
+        """Do everything that is due by the simulated time ``now``."""
         self.vehicle.advance(now)
         self._take_in(now)
         for out in self._outs:
@@ -167,7 +168,7 @@ class PtyVehicle:
         return (time.monotonic() - self._zero) * self.speed
 
     def _wait(self, now: float) -> None:
-        """Until the next slice, the next event, or a byte from the other side."""
+        """Wait for the next slice, the next event, or a byte from the other side."""
         due = min(*(out.due for out in self._outs), _next_start(self.vehicle))
         pause = min(max((due - now) / self.speed, SHORTEST_SLEEP), LONGEST_SLEEP)
         select.select(self._masters, [], [], pause)
@@ -184,7 +185,7 @@ def _next_start(vehicle: Simulated) -> float:
 
 
 def open_pty() -> tuple[int, int]:
-    """Raw, without echo; the slave stays open so that a reader may come and go."""
+    """Open a raw pty without echo. The slave stays open, so that a reader may come and go."""
     master, slave = os.openpty()
     tty.setraw(slave)
     os.set_blocking(master, False)
@@ -199,7 +200,7 @@ def run_on_ptys(
     until: float | None = None,
     stop: Callable[[], bool] | None = None,
 ) -> None:
-    """Open the pseudo-terminals, say their paths (as ``ports``) to ``ready``, and run."""
+    """Open the pseudo-terminals, pass their paths (in the order of ``ports``) to ``ready``, run."""
     with PtyVehicle(vehicle, speed) as served:
         ready(*served.paths)
         served.run(until, stop)

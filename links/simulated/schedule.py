@@ -1,6 +1,6 @@
-"""When faults begin and end, on the clock of the vehicle that has them, and which of them counts.
+"""When faults begin and end, on the clock of their vehicle, and which of them is in force.
 
-What does not live here: what they do (faults, board_faults).
+What does not live here: what faults do (faults, board_faults).
 """
 
 from __future__ import annotations
@@ -24,8 +24,8 @@ class Edge(NamedTuple):
 
 
 class InForce:
-    """Of faults that take hold of the same the newest counts; the end of that one gives way to the
-    one before, which begins anew, and the end of another changes nothing."""
+    """The faults in force. Of faults with the same slot only the newest counts. When it ends, the
+    one before it begins again. The end of any other changes nothing."""
 
     def __init__(self, rows: Mapping[str, Fault]) -> None:
         self._rows = rows
@@ -50,7 +50,7 @@ class InForce:
 def edges(
     events: Iterable[FaultEvent], rows: Mapping[str, Fault], tick: float, vehicle: str
 ) -> list[Edge]:
-    """The next one last; ``tick`` in s. Raises SettingError for a fault that it cannot have."""
+    """The edges, next one last; ``tick`` in s. Raises SettingError for a fault not in ``rows``."""
     found = []
     for number, event in enumerate(events):
         row = rows.get(event.name)

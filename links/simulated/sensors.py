@@ -1,17 +1,20 @@
-"""What the simulated sensors say: noise, bias, slow errors, range, drop-outs, dead sensors.
+"""The readings of the simulated sensors: noise, bias, slow errors, range, dropouts, dead sensors.
 
-SI and radians; one seeded generator for everything. ``sample`` is called once for every ``@SD``;
-between two of them the control loops of the firmware read the truth with the errors of the last
-sample (white noise left out), so that they see what was reported without a draw per loop.
+SI and radians; one seeded generator for everything. ``sample`` is called once for every ``@SD``.
+Between two samples the firmware's control loops read the truth with the errors of the last sample,
+without its white noise. So they see what was reported, without a random draw per loop.
 
     compass = true heading - declination + bias + slow error
               + deviation * sin(heading) + deviation / 2 * cos(2 heading) + noise
 
-A sensor is healthy, frozen (repeats its last value), silent (nothing comes: the documented board
-reports NaN, the board as built repeats the last value), intermittent (half of the samples repeat
-the one before), absurd (garbage anywhere in its range) or at full scale. A value may be bent: a
-factor and an offset, for a compass with the wrong sign or a sensor that came loose; or wrong in a
-way that looks well (wrong.py): stuck with its noise, drifting, late.
+The health of a sensor:
+
+    frozen        repeats its last value        absurd      random values anywhere in its range
+    intermittent  half of the samples repeat    full_scale  the end of its range
+    silent        no value: the documented board reports NaN, the board as built its last value
+
+A value may also be bent (a factor and an offset, for a compass with the wrong sign or a sensor that
+came loose), or wrong but plausible (wrong.py): stuck with noise, drifting, late.
 
 What does not live here: the bytes (firmware), the GPS (firmware/gps.py), when a fault begins.
 """
@@ -27,13 +30,13 @@ from links.simulated.plant import Plant
 from links.simulated.waves import Felt, Waves, felt
 from links.simulated.wrong import Wrong
 
-PERIOD = 2.0  # s between samples, that of @SD
+PERIOD = 2.0  # s between samples, the period of @SD
 TWO_PI = 2 * pi
 FIELD_NORTH, FIELD_DOWN = 33e-6, 35e-6  # T, magnetic north and down at 30 N
 
 
 class Sensor(enum.Enum):
-    """Value: slots in the list that ``sample`` returns, in the order of @SD."""
+    """A sensor. Its value: places in the list that ``sample`` returns, in the order of @SD."""
 
     ATTITUDE = (0, 1)
     HEADING = (2,)
@@ -53,7 +56,7 @@ class Health(enum.Enum):
     FULL_SCALE = "full_scale"
 
 
-FULL_SCALE = {  # largest garbage of each sensor, in its own unit
+FULL_SCALE = {  # greatest wrong value of each sensor, in its own unit
     Sensor.ATTITUDE: 4 * pi,
     Sensor.HEADING: 4 * pi,
     Sensor.TEMPERATURE: 327.67,
@@ -66,13 +69,13 @@ FULL_SCALE = {  # largest garbage of each sensor, in its own unit
 
 @dataclass(frozen=True, slots=True)
 class SensorErrors:
-    """One sigma where nothing else is said. ``None`` for a bias: drawn from the seed."""
+    """Values are one sigma unless stated otherwise. A bias of ``None`` is drawn from the seed."""
 
     declination: float | None = None  # rad, east positive; None: that of the place
     compass_bias: float | None = None  # rad; drawn with sigma 4 deg
     compass_noise: float = radians(1.0)
     compass_slow: float = radians(1.0)  # Gauss-Markov error, time constant 300 s
-    deviation: float = radians(2.0)  # amplitude over the heading
+    deviation: float = radians(2.0)  # amplitude, as a function of the heading
     attitude_noise: float = radians(0.5)
     depth_bias: float | None = None  # m; drawn with sigma 0.05 m
     depth_noise: float = 0.05
@@ -82,28 +85,28 @@ class SensorErrors:
     temperature: float = 18.0  # deg C at the surface, 0.05 less per metre
     temperature_noise: float = 0.02
     thermocline: tuple[float, float] = (0.0, 0.0)  # deg C colder below, m
-    warm_layer: tuple[float, float] = (0.0, 0.0)  # deg C warmer in the middle of it, m
+    warm_layer: tuple[float, float] = (0.0, 0.0)  # deg C warmer at its middle, m
     magnetic_noise: float = 0.1e-6  # T
     fix_noise: float = 2.5  # m per axis
-    fix_wander: float = 0.0  # m per axis, which stay for 100 s
-    fix_settle: float = 0.0  # m per axis, of the first fix behind a dive; a third of it 5 s later
+    fix_wander: float = 0.0  # m per axis, correlated over 100 s
+    fix_settle: float = 0.0  # m per axis, of the first fix after a dive; a third of it 5 s later
     speed_noise: float = 0.05  # m/s per axis, of the GPS
     first_fix: float = 3.0  # s at the surface after power-on
-    fix_again: tuple[float, float] = (3.0, 8.0)  # s after surfacing, drawn between
+    fix_again: tuple[float, float] = (3.0, 8.0)  # s after surfacing, uniform between these
 
 
 def _half_circle(angle: float) -> float:
-    """As a sensor says it: within half a turn either way."""
+    """The angle within half a turn either way, as a sensor reports it."""
     return angle if -pi <= angle <= pi else remainder(angle, TWO_PI)
 
 
 def turned(by: Felt) -> float:
-    """rad: what the compass is off in waves, which leans with what it is in."""
+    """The compass error in waves, rad: the compass tilts with the hull."""
     return by.roll * FIELD_DOWN / FIELD_NORTH
 
 
 def warmth(errors: SensorErrors, depth: float) -> float:
-    """Of the water at a depth, deg C. A thermocline is 4 m thick, a warm layer 10 m."""
+    """Water temperature at a depth, deg C. A thermocline is 4 m thick, a warm layer 10 m."""
     degrees = errors.temperature - 0.05 * depth
     colder, below = errors.thermocline
     if colder:
@@ -115,8 +118,8 @@ def warmth(errors: SensorErrors, depth: float) -> float:
 
 
 def normals(rng: Random, count: int) -> list[float]:
-    """As many draws of ``rng.gauss()``, to the bit, at a third of the time. The generator draws
-    them in pairs and keeps the second half of the last pair."""
+    """The same as ``count`` calls of ``rng.gauss()``, to the bit, in a third of the time. The
+    generator draws in pairs and keeps the second half of the last pair."""
     random = rng.random
     kept: float | None = rng.gauss_next  # type: ignore[attr-defined]
     out = [] if kept is None else [kept]
@@ -138,7 +141,7 @@ class Sensors:
         rng: Random,
         *,
         repeats_when_silent: bool,
-        declination: float = 0.0,  # of the place; ``errors`` may say otherwise
+        declination: float = 0.0,  # of the place; ``errors`` may have another
     ) -> None:
         self.errors, self.rng = errors, rng
         stated = errors.declination
@@ -149,7 +152,7 @@ class Sensors:
         self.health: dict[Sensor, Health] = {}  # only those that are not healthy
         self.bent: dict[int, tuple[float, float]] = {}  # slot: factor and offset
         self.wrong: dict[int, Wrong] = {}  # by slot
-        self.battery_noise = 0.0  # V beside what the override says
+        self.battery_noise = 0.0  # V, one sigma, added to the override
         self.battery_override: float | None = None  # V of the control battery
         self.last: list[float] = [0.0] * 15 + [12.0, 48.0]
         self._silent = Health.FROZEN if repeats_when_silent else Health.SILENT
@@ -158,8 +161,8 @@ class Sensors:
         self._keep = exp(-PERIOD / 300.0)
         self._renew = errors.compass_slow * sqrt(1 - self._keep**2)
         self._echo = False
-        self.used = 0.0  # J out of the power battery
-        self.age = 0  # samples so far
+        self.used = 0.0  # J taken from the power battery
+        self.age = 0  # number of samples
         self.waves: Waves | None = None
 
     # --- what the control loops read -------------------------------------------------------
@@ -172,7 +175,7 @@ class Sensors:
         return self._as_bent(4, depth) if known else self.last[4]
 
     def felt(self, plant: Plant, now: float) -> Felt:
-        """Of the waves, where it is."""
+        """What the sensors feel of the waves at the vehicle's depth."""
         return felt(self.waves, now, plant.depth)
 
     def altitude(self, plant: Plant) -> float:
@@ -181,7 +184,7 @@ class Sensors:
         return plant.floor - plant.depth
 
     def heading(self, plant: Plant) -> float:
-        """Not wrapped."""
+        """rad, not wrapped."""
         heading = plant.yaw + self._heading_error
         if not (self.health or self.bent or self.wrong):
             return heading
@@ -191,7 +194,7 @@ class Sensors:
     # --- what is reported ------------------------------------------------------------------
 
     def sample(self, plant: Plant, now: float = 0.0) -> list[float]:
-        """Roll, pitch, heading, temperature (deg C), depth, altitude, 9 x T, 2 x V."""
+        """Return roll, pitch, heading, temperature (deg C), depth, altitude, 9 x T, 2 x V."""
         errors = self.errors
         self._slow = self._keep * self._slow + self.rng.gauss(0.0, self._renew)
         yaw = plant.yaw
@@ -253,7 +256,7 @@ class Sensors:
                     values[slot] = FULL_SCALE[sensor] * (2 * self.rng.random() - 1)
 
     def _magnetic(self, plant: Plant, normal: list[float]) -> list[float]:
-        """Earth's field in body axes, three times, each with its noise."""
+        """Earth's field in body axes, T, three times, each with its own noise."""
         magnetic = plant.yaw - self.declination
         ahead, across = FIELD_NORTH * cos(magnetic), -FIELD_NORTH * sin(magnetic)
         sp, cp, sr, cr = sin(plant.pitch), cos(plant.pitch), sin(plant.roll), cos(plant.roll)
@@ -267,7 +270,7 @@ class Sensors:
         ]
 
     def _batteries(self, plant: Plant) -> tuple[float, float]:
-        """Volts of a 900 Wh thruster pack and of a 300 Wh control pack at 35 W."""
+        """Voltages: control battery (300 Wh, load 35 W), power battery (900 Wh, thrusters)."""
         body, thrust = plant.body, plant.thrust
         port, starboard, rear, left, right = thrust
         pair = (abs(port) + abs(starboard)) / (2 * body.main_thrust)

@@ -1,6 +1,6 @@
-"""The sea and what may be set for a flight: ``--set KEY=VALUE`` texts into a ``Settings``.
+"""The settings of a simulated flight: parses ``--set KEY=VALUE`` texts into a ``Settings``.
 
-    SettingError      (the operator must act: which text, what instead, which keys there are)
+    SettingError      (the user must act; it names the text, what to write, and the known keys)
 
     current=0.3@45        m/s towards 45 deg          deep_current=0.1@200   the same at the floor
     thermocline=4@12      deg C colder below 12 m
@@ -35,8 +35,8 @@ class SettingError(ValueError):
 class FaultEvent:
     name: str
     begin: float  # s
-    duration: float | None = None  # s; None: as the row says
-    value: float | None = None  # None: as the row says
+    duration: float | None = None  # s; None: the default of the row
+    value: float | None = None  # None: the default of the row
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,20 +45,20 @@ class Settings:
     errors: SensorErrors = field(default_factory=SensorErrors)
     body: Body = field(default_factory=Body)
     faults: tuple[FaultEvent, ...] = ()
-    splice: float | None = None  # chance; None: as the profile says
+    splice: float | None = None  # probability; None: the default of the profile
     added: Fitted = field(default_factory=Fitted)
-    second_gps: float | None = None  # m: noise of a second receiver; None: it is not there
-    sentences: tuple[str, ...] = ("GGA", "RMC")  # what the GPS receiver says every second
-    uneven: float = 0.0  # s that @SD may come early or late
-    answers_late: float = 0.0  # s, at most, of what the STM32 answers
-    thrust: float = 1.0  # share that the main thrusters have of what their body's have
+    second_gps: float | None = None  # m: noise of a second receiver; None: not fitted
+    sentences: tuple[str, ...] = ("GGA", "RMC")  # of the GPS receiver, every second
+    uneven: float = 0.0  # s that an @SD may be early or late
+    answers_late: float = 0.0  # s, greatest delay of the STM32's answers
+    thrust: float = 1.0  # factor on the thrust of the body's main thrusters
 
     def pushed(self, body: Body) -> Body:
-        """``body`` with that thrust."""
+        """``body`` with the thrust of these settings."""
         return replace(body, main_thrust=self.thrust * body.main_thrust)
 
     def has(self, part: str) -> bool:
-        """Whether what a fault ``needs`` is fitted; "" is."""
+        """Whether the part that a fault ``needs`` is fitted; True for ""."""
         if part == SECOND:
             return self.second_gps is not None
         return not part or self.added.has(part)
@@ -69,7 +69,7 @@ Apply = Callable[[Settings, str], Settings]
 
 @dataclass(frozen=True, slots=True)
 class Setting:
-    """One row: how its value is written, and what it does."""
+    """One row: the form of its value, its description, and how it is applied."""
 
     form: str
     says: str
@@ -248,7 +248,7 @@ SETTINGS: dict[str, Setting] = {
 
 
 def parse_settings(texts: Iterable[str], settings: Settings | None = None) -> Settings:
-    """Raises SettingError, which names the text and what instead."""
+    """Apply texts to settings. Raises SettingError: the wrong text, and what to write instead."""
     result = settings or Settings()
     for text in texts:
         key, equals, value = text.partition("=")
@@ -264,7 +264,7 @@ def parse_settings(texts: Iterable[str], settings: Settings | None = None) -> Se
 
 
 def setting_of(event: FaultEvent) -> str:
-    """The text that gives this event: what a failing flight is replayed with."""
+    """The text that gives this event, to fly a failing flight again."""
     value = "" if event.value is None else f"={event.value!r}"
     duration = "" if event.duration is None else f"+{event.duration!r}"
     return f"{event.name}{value}@{event.begin!r}{duration}"

@@ -1,7 +1,7 @@
 """The acoustic channel of links.acoustic between two processes, in real time.
 
     boat <-- pty --> [modem ))) water ((( modem] <-- pty --> vehicle
-                      a burst ends where its writer pauses for ``PAUSE_S``
+                      a burst ends when its writer pauses for ``PAUSE_S``
 
 What does not live here: delay, loss, collisions (links.acoustic), the envelope (protocol).
 """
@@ -22,11 +22,11 @@ PAUSE_S = 0.03
 ENDS = ("boat", "vehicle")
 _READ, _LONGEST_S = 4096, 0.1
 
-Told = Callable[[str, int, float], None]  # which end says so many bytes, for so many s
+Told = Callable[[str, int, float], None]  # name of the end, bytes sent, s of airtime
 
 
 class _Modem:
-    """One end: what its computer writes is gathered to a burst."""
+    """One end. It gathers the bytes that its computer writes into bursts."""
 
     def __init__(self, link: AcousticLink, told: Told) -> None:
         self.link, self._told = link, told
@@ -36,7 +36,7 @@ class _Modem:
 
     @property
     def due(self) -> float | None:
-        """When the next thing happens by itself."""
+        """When its burst ends or a burst arrives, s; None: nothing is pending."""
         times = (self._ends if self._burst else None, self.link.next_event())
         return min((t for t in times if t is not None), default=None)
 
@@ -59,12 +59,12 @@ class _Modem:
         self._told(self.link.name, len(data), self.link.water.airtime(len(data)))
 
     def _write(self, data: bytes) -> None:
-        with suppress(BlockingIOError):  # nobody reads: a real line would lose it as well
+        with suppress(BlockingIOError):  # nobody reads: a real line would lose it too
             os.write(self.master, data)
 
 
 class Channel:
-    """Owns both pseudo-terminals; ``paths`` are the boat's and the vehicle's."""
+    """Both modems and their pseudo-terminals. ``paths``: the boat's and the vehicle's."""
 
     def __init__(
         self, water: Water, seed: int = 0, told: Told = lambda name, size, airtime: None
@@ -89,7 +89,7 @@ class Channel:
         return {modem.link.name: modem.link.tally for modem in self._modems}
 
     def run(self, stop: Callable[[], bool] = lambda: False) -> None:
-        """Until ``stop`` says so, asked ten times a second."""
+        """Run until ``stop`` returns True; it is called at least ten times a second."""
         masters = [modem.master for modem in self._modems]
         while not stop():
             now = time.monotonic()

@@ -1,14 +1,18 @@
-"""Waves of deep water, as sensors feel them: the pressure, the attitude, and the compass with it.
+"""Deep-water waves, as sensors feel them: in the pressure, the attitude and the compass.
 
-Linear theory (Dean and Dalrymple, Water Wave Mechanics, 1991, chapters 3 and 4), two of nearly one
-period, so that they come in groups. At the depth z a wave of the amplitude a and the frequency w,
-k = w^2 / g, changes the pressure head by ``a exp(-kz) cos``, leans what floats in it by its slope
-``ak exp(-kz) sin``, and turns a compass, which takes the acceleration for a part of gravity, by the
-slope times the tangent of the field's dip. The water goes to and fro with ``aw exp(-kz) cos``, the
-way that the crests run, and what floats goes with it: a receiver says so.
+Linear theory (Dean and Dalrymple, Water Wave Mechanics, 1991, chapters 3 and 4). There are two
+waves of nearly the same period, so they come in groups. A wave of amplitude a and angular frequency
+w has k = w^2 / g. At depth z it
 
-A hull that floats is much shorter than these waves, and goes up and down with them: half of the
-swing is left of the pressure. Below it is taken to stand still, which is the most that it can feel.
+- changes the pressure head by ``a exp(-kz) cos``;
+- tilts a floating body by its slope ``ak exp(-kz) sin``;
+- turns the compass, which takes the acceleration for a part of gravity, by the slope times the
+  tangent of the field's dip;
+- moves the water by ``aw exp(-kz) cos`` along the direction of the crests' travel. A floating body
+  moves with the water, and a GPS receiver shows this velocity.
+
+A floating hull is much shorter than these waves and rises and falls with them, so its sensor sees
+half of the pressure swing. Deeper the hull is taken to stand still, the worst case for its sensors.
 
 What does not live here: the motion of the vehicle itself, which is that of still water.
 """
@@ -20,8 +24,8 @@ from random import Random
 from typing import NamedTuple
 
 GRAVITY = 9.81  # m/s^2
-AFLOAT = 0.5  # m: deeper, it does not float
-_APART = 1.15  # of the two periods: six or seven waves make a group
+AFLOAT = 0.5  # m: depth beyond which the hull does not float
+_APART = 1.15  # ratio of the two periods: six or seven waves make a group
 
 
 class Felt(NamedTuple):
@@ -40,13 +44,13 @@ def felt(waves: Waves | None, t: float, depth: float) -> Felt:
 
 
 class Waves:
-    """``amplitude`` in m, of both together at most; ``period`` in s."""
+    """``amplitude``: m, the greatest of both waves together; ``period``: s."""
 
     def __init__(self, amplitude: float, period: float, seed: int) -> None:
-        rng = Random(f"waves {seed}")  # of their own: without waves nothing else is different
+        rng = Random(f"waves {seed}")  # of their own: waves change no other draw
         abeam = rng.uniform(0.0, 2.0 * pi)
         self._across, self._along = sin(abeam), cos(abeam)
-        self._set = Random(f"crests {seed}").uniform(0.0, 2.0 * pi)  # they run that way, rad
+        self._set = Random(f"crests {seed}").uniform(0.0, 2.0 * pi)  # direction of travel, rad
         self._amplitude = amplitude / 2.0
         frequencies = 2.0 * pi / period, 2.0 * pi / (_APART * period)
         self._both = tuple((w, w * w / GRAVITY, rng.uniform(0.0, 2.0 * pi)) for w in frequencies)

@@ -1,7 +1,7 @@
-"""What a sensor that is wrong, and looks well, makes of its value: stuck, drifting, late, or deaf.
+"""Wrong values that look plausible: a sensor that is stuck, drifting, late, or deaf.
 
-One object for each slot of ``Sensors.sample``, for as long as it is wrong. What does not live
-here: sensors that look ill (sensors.Health), constant errors (``Sensors.bent``).
+There is one object for each value of ``Sensors.sample`` while it is wrong. What does not live here:
+obviously bad sensors (sensors.Health), constant errors (``Sensors.bent``).
 """
 
 from __future__ import annotations
@@ -13,12 +13,12 @@ from typing import Protocol
 
 class Wrong(Protocol):
     def says(self, value: float, t: float, rng: Random) -> float:
-        """Instead of ``value``, at ``t`` s; called once for each sample, in order."""
+        """The value reported instead of ``value``, at ``t`` s. Call once per sample, in order."""
         ...
 
 
 class Stuck:
-    """Goes on about its first value, with noise: a port that is clogged."""
+    """Repeats its first value, with noise: a clogged pressure port."""
 
     def __init__(self, noise: float) -> None:
         self._noise, self._held = noise, float("nan")
@@ -30,8 +30,8 @@ class Stuck:
 
 
 class Deaf:
-    """Says one level, whatever is true, with noise: a board that has begun anew says 0 of a sensor
-    that is gone; an altimeter without an echo hears its own pulse."""
+    """Reports one level, with noise, whatever the truth. A rebooted board reports 0 for a lost
+    sensor; an altimeter without an echo receives its own pulse."""
 
     def __init__(self, level: float, noise: float = 0.0) -> None:
         self._level, self._noise = level, noise
@@ -41,7 +41,7 @@ class Deaf:
 
 
 class Drifting:
-    """Off by more and more, ``rate`` a second."""
+    """An error that grows by ``rate`` a second."""
 
     def __init__(self, rate: float) -> None:
         self._rate, self._since = rate, float("nan")
@@ -53,7 +53,7 @@ class Drifting:
 
 
 class Late:
-    """Says what it would have said ``seconds`` ago; at first its first value."""
+    """Reports the value of ``seconds`` ago; at first its first value."""
 
     def __init__(self, seconds: float) -> None:
         self._seconds = seconds

@@ -1,1 +1,1 @@
-"""What is done with recordings afterwards: replay, calibration, scores, the smoothed track."""
+"""Analysis of recordings after the dive: replay, calibration, scores, the smoothed track."""

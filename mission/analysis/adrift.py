@@ -1,16 +1,17 @@
-"""How far the water below differs from what fixes afloat told of it, by where dives end.
+"""The surface drift, estimated from the position errors at the ends of dives.
 
-A current that is learned afloat holds the drift of that hour in it, by wind and waves; under water
-the drift is gone, and what is left goes on changing. The larger both, the less the fixes before a
-dive tell of the current below. No fix parts them, but the end of a dive tells what they are
-together. Each of ``SHARES`` of the vehicle file's figures is tried on all dives, and the share is
-the mean of their logarithms by likelihood (all are as likely before: dives that tell nothing leave
-it as it was).
+A current that is learned at the surface includes the drift of that hour by wind and waves. Under
+water the drift is gone, and the remaining current keeps changing. The larger both are, the less the
+fixes before a dive tell about the current below. No fix separates the two, but the error at the end
+of a dive shows both together. Each of ``SHARES`` of the vehicle file's figures is tried on all
+dives. The share is the mean of their logarithms, weighted by likelihood. All are equally likely a
+priori, so dives that show nothing leave the share as it is.
 
-What is more than expected is the drift's. What is less is the current's pace, too, but for dives as
-long as those that told it, and never steadier than a tide is for so long: in a time t a tide has
-changed by 2 sigma^2 (1 - cos(2 pi t / period)), a process of correlation time T by
-2 sigma^2 (1 - exp(-t / T)). A quarter of an hour says nothing of hours.
+If the error is larger than expected, only the drift grows. If it is smaller, the current also
+changes more slowly, but only over dives as long as those in the logs, and never more slowly than a
+tide does over that time. In a time t a tide changes by 2 sigma^2 (1 - cos(2 pi t / period)), a
+process of correlation time T by 2 sigma^2 (1 - exp(-t / T)). A quarter of an hour says nothing
+about hours.
 """
 
 from __future__ import annotations
@@ -26,14 +27,15 @@ from mission.analysis.pooling import FEW
 from mission.model.vehicle import TIDE, Vehicle
 
 SHARES = (0.125, 0.25, 0.5, 1.0, 2.0, 4.0, 8.0)
-_LEAST = 1e-3  # m/s: of water that stands
+_LEAST = 1e-3  # m/s: the least drift, still water
 _PERIOD = 12.42 * 3600.0  # s, of the moon's tide
-ENOUGH = 4  # dives that may narrow it; any may widen it
+ENOUGH = 4  # dives that may reduce the drift; any number may increase it
 
 
 @dataclass(frozen=True, slots=True)
 class Drift:
-    """``vehicle``'s figure times ``share``; ``dives`` of ``length`` s (the median) tell it."""
+    """The surface drift: the vehicle file's figure times ``share``, found from ``dives`` dives of
+    ``length`` s (the median)."""
 
     share: float
     dives: int
@@ -51,13 +53,15 @@ def with_drift(vehicle: Vehicle, share: float, length: float) -> Vehicle:
 
 
 def _tide(length: float) -> float:
-    """The correlation time of what changes by as much as a tide in ``length`` s."""
+    """Return the correlation time, s, of a process that changes in ``length`` s as much as a
+    tide."""
     left = math.cos(2.0 * math.pi * min(length / _PERIOD, 0.25))
     return -length / math.log(left) if left > 1e-9 else 0.0
 
 
 def drift(logs: Sequence[Inputs], tried: Sequence[Vehicle]) -> Drift | None:
-    """``tried``: what reckons each log. None where no dive tells it."""
+    """Estimate the surface drift; None if no dive shows it. ``tried``: the vehicle file that each
+    log is reckoned with."""
     lengths = [length for log in logs for length in dives(log)]
     if not lengths:
         return None
@@ -73,6 +77,6 @@ def drift(logs: Sequence[Inputs], tried: Sequence[Vehicle]) -> Drift | None:
     weights = [math.exp(s - max(sums)) for s in sums]
     mean = sum(w * math.log(s) for w, s in zip(weights, SHARES, strict=True)) / sum(weights)
     share = math.exp(mean)
-    if share < 1.0:  # what a handful of dives leave open
+    if share < 1.0:  # a handful of dives leaves the spread uncertain
         share = min(FEW * share, 1.0) if ends >= ENOUGH else 1.0
     return Drift(share, ends, length)

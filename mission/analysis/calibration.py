@@ -1,15 +1,15 @@
 """Calibration from dives with fixes: speed, compass, current, noise of the motion and the sensors.
 
-What the fixes of each log taught about speed scale, compass bias, its deviation and the current is
-found by itself (information). A scale, a bias and a current are not the same every day: by how much
-they differ is found first (pooling), and one day's log counts as an estimate of the mean with that
-variance on top. What is written as a sigma is how far another day may be from the mean. A current
-is that of the waters of the last log.
+The fixes of each log teach its speed scale, compass bias, deviation and current (information). A
+scale, a bias and a current differ from day to day. How much they differ is estimated first
+(pooling). One day's log then counts as an estimate of the mean, with that variance added. Each
+sigma that is written says how far another day may be from the mean. The current is that of the
+waters of the last log.
 
-A figure is taken over only where the logs know it better than the vehicle file says it is known, or
-contradict that; else it stays as it was, and so does its sigma (FIGURES: what would teach it).
+A figure is taken over only if the logs know it better than the vehicle file does, or contradict the
+vehicle file. Else the figure and its sigma stay as they were (FIGURES says what would teach them).
 
-What does not live here: noise (courses, noise), drift and the proof by dives (adrift, missed), the
+What does not live here: noise (courses, noise), drift and the check by dives (adrift, missed), the
 texts (lessons).
 """
 
@@ -45,11 +45,11 @@ from protocol.messages import Fix
 
 _CONTRADICTS = 3.0  # sigmas between logs and vehicle file
 _SAME_WATERS = 20_000.0  # m between two logs
-_TAUGHT = 0.5  # of the width at which a log may look: what it knows worse it does not know
+_TAUGHT = 0.5  # of the prior's width: a log with a larger sigma teaches nothing
 
 
 class CalibrationError(ValueError):
-    """The operator must act: these logs cannot calibrate; says what is missing."""
+    """The logs cannot calibrate; the message tells the operator what is missing."""
 
 
 _CURRENT = len(FIGURES) - 1
@@ -57,7 +57,7 @@ _CURRENT = len(FIGURES) - 1
 
 @dataclass(frozen=True, slots=True)
 class Lesson:
-    """One sigma of a figure in the vehicle file and by the logs alone; whether theirs is taken."""
+    """One sigma of a figure in the vehicle file and by the logs; whether the logs' is taken."""
 
     figure: Figure
     before: float
@@ -68,17 +68,17 @@ class Lesson:
 @dataclass(frozen=True, slots=True)
 class Calibrated:
     vehicle: Vehicle
-    sigmas: tuple[float, float, float, float]  # of scale, bias, and the deviation's sin and cos
+    sigmas: tuple[float, float, float, float]  # scale, bias, sin and cos of the deviation
     stretches: tuple[Stretch, ...]
-    held_out: bool  # "after" was calibrated on other logs
+    held_out: bool  # each log was reckoned with a calibration from the other logs
     lessons: tuple[Lesson, ...]
-    unheard: tuple[str, ...]  # of which the logs hold too little for a noise figure
-    rise: Rise | None  # by buoyancy alone; None: no float test in the logs
-    apart: tuple[tuple[int, str], ...] = ()  # logs that stand apart from the others, and in what
-    copies: tuple[tuple[int, int], ...] = ()  # logs that were left out, and of which they are
-    waters: Position | None = None  # where the current was found
-    trusted: float = 1.0  # what moves a position was multiplied by, after the dives
-    drift: Drift | None = None  # of the surface; None: no dive tells it
+    unheard: tuple[str, ...]  # noise figures for which the logs hold too little
+    rise: Rise | None  # by buoyancy alone; None if the logs have no float test
+    apart: tuple[tuple[int, str], ...] = ()  # outlier logs, and the figure concerned
+    copies: tuple[tuple[int, int], ...] = ()  # logs left out, and the log that each copies
+    waters: Position | None = None  # position at which the current was found
+    trusted: float = 1.0  # factor on the sigmas that move a position, from the dives
+    drift: Drift | None = None  # of the surface; None if no dive shows it
 
     def percent(self) -> tuple[float, float]:
         """Median error before and after, in % of distance."""
@@ -90,7 +90,7 @@ class Calibrated:
 
 
 def calibrate(logs: Sequence[Inputs], vehicle: Vehicle) -> Calibrated:
-    """Raises CalibrationError."""
+    """Calibrate ``vehicle`` from logs. Raises CalibrationError."""
     logs = [sorted(log, key=lambda item: item.t) for log in logs]
     if not any(len([i for i in log if isinstance(i, Fix)]) >= 2 for log in logs):
         raise CalibrationError("no log has two fixes: there is nothing to compare with")
@@ -101,7 +101,7 @@ def calibrate(logs: Sequence[Inputs], vehicle: Vehicle) -> Calibrated:
     begun, quiet = _moving(vehicle, moved)
     begun, silent = _afloat(begun, logs)
     taught = [information(log, begun) for log in logs]
-    held_out = len(logs) > 1  # else the dives would judge what they taught
+    held_out = len(logs) > 1  # with a single log, the dives would judge what they taught
     adrift = drift(logs, _tried(begun, vehicle, taught)) if held_out else None
     if adrift is not None:
         begun = with_drift(begun, adrift.share, adrift.length)
@@ -134,7 +134,7 @@ def calibrate(logs: Sequence[Inputs], vehicle: Vehicle) -> Calibrated:
 
 
 def _copies(logs: Sequence[Inputs]) -> tuple[tuple[int, int], ...]:
-    """Logs of which a tenth of the places are in one before: they would count twice."""
+    """Find logs that share more than a tenth of their positions with an earlier log."""
     places = [{(i.latitude, i.longitude) for i in log if isinstance(i, Fix)} for log in logs]
     found: dict[int, int] = {}
     for i, one in enumerate(places):
@@ -146,11 +146,11 @@ def _copies(logs: Sequence[Inputs]) -> tuple[tuple[int, int], ...]:
 
 
 def _moving(vehicle: Vehicle, moved: Motion | None) -> tuple[Vehicle, tuple[str, ...]]:
-    """With the noise of the motion, and the speed to begin with; what is not taught of it."""
+    """Add the motion noise and a first speed scale; also return what the logs do not teach."""
     known = vehicle.calibration
     if moved is None:
         return vehicle, ("motion",)
-    few = math.sqrt(0.5 * KEPT / moved.seconds)  # of a sigma: what one kept so long varies by
+    few = math.sqrt(0.5 * KEPT / moved.seconds)  # relative error of a sigma of such a slow process
     if few > _TAUGHT or moved.sure > _TAUGHT * max(moved.along, known.speed_noise):
         return vehicle, ("motion",)
     scale = known.speed_scale * min(max(moved.scale, 0.3), 4.0)
@@ -165,7 +165,7 @@ def _moving(vehicle: Vehicle, moved: Motion | None) -> tuple[Vehicle, tuple[str,
 
 
 def _afloat(vehicle: Vehicle, logs: Sequence[Inputs]) -> tuple[Vehicle, tuple[str, ...]]:
-    """With the noise of the receiver's speed and course; what is not taught of it."""
+    """Add the noise of the receiver's speed and course; also return what the logs do not teach."""
     noise = of_velocity(logs)
     if noise is None:
         return vehicle, ("fix_velocity",)
@@ -173,7 +173,7 @@ def _afloat(vehicle: Vehicle, logs: Sequence[Inputs]) -> tuple[Vehicle, tuple[st
 
 
 def _tried(begun: Vehicle, vehicle: Vehicle, taught: Sequence[Information]) -> list[Vehicle]:
-    """What reckons each log: fitted to the others, if there are any."""
+    """Return the vehicle to reckon each log with: fitted to the other logs, if there are any."""
     if len(taught) == 1:
         return [_fit(begun, vehicle, taught).vehicle]
     others = [[t for t in taught if t is not own] for own in taught]
@@ -184,7 +184,7 @@ def _tried(begun: Vehicle, vehicle: Vehicle, taught: Sequence[Information]) -> l
 
 
 def _believed(vehicle: Vehicle) -> tuple[float, float, float, float]:
-    """One sigma of each of ``FIGURES`` in the vehicle file."""
+    """Return one sigma of each of ``FIGURES`` in the vehicle file."""
     known = vehicle.calibration
     current = vehicle.current if known.current_sigma is None else known.current_sigma
     return known.speed_scale_sigma, vehicle.sensors.heading_bias, known.deviation_sigma, current
@@ -192,11 +192,11 @@ def _believed(vehicle: Vehicle) -> tuple[float, float, float, float]:
 
 @dataclass(frozen=True, slots=True)
 class _Days:
-    """By how much days differ in each of the six (variances), and the logs that stand apart."""
+    """The variance between days of each of the six fitted values, and the outlier logs."""
 
     between: Array
     apart: frozenset[tuple[int, str]]
-    near: tuple[int, ...]  # logs that teach the current of the last one's waters
+    near: tuple[int, ...]  # logs from the same waters as the last one
 
 
 @dataclass(frozen=True, slots=True)
@@ -223,7 +223,7 @@ def _days(taught: Sequence[Information]) -> _Days:
 def _pooled(
     row: Figure, state: int, among: Sequence[int], taught: Sequence[Information]
 ) -> tuple[tuple[int, ...], Pooled]:
-    """Of the logs that teach it, by their indices."""
+    """Pool one fitted value over the logs that teach it; also return their indices."""
     ids = tuple(i for i in among if taught[i].variances[state] < (_TAUGHT * row.wide) ** 2)
     found = [float(taught[i].found[state]) for i in ids]
     return ids, pool(found, [float(taught[i].variances[state]) for i in ids])
@@ -237,8 +237,9 @@ def _same_waters(one: Position | None, other: Position | None) -> bool:
 
 
 def _fit(begun: Vehicle, vehicle: Vehicle, taught: Sequence[Information]) -> _Fit:
-    """What is kept counts as sure as the vehicle file says while the others are fitted; of those
-    that the logs do not teach the least taught is kept first, the others may be clear then."""
+    """Fit the figures to the logs. Figures that the logs do not teach are kept; in the fit of the
+    others the vehicle file's sigma is their prior. The least taught figure is kept first, because
+    the others may be well determined then."""
     days = _days(taught) if taught else _Days(np.zeros(len(FITTED)), frozenset(), ())
     good = [t for i, t in enumerate(taught) if i not in {i for i, _ in days.apart}]
     before = [max(s, 1e-4) for s in _believed(vehicle)]
@@ -271,8 +272,8 @@ def _fit(begun: Vehicle, vehicle: Vehicle, taught: Sequence[Information]) -> _Fi
 def _solved(
     priors: Sequence[float], taught: Sequence[Information], days: _Days, *, current_known: bool
 ) -> tuple[Array, Array, Array]:
-    """The six, and their sigmas for another day and as a mean of all days. Where the current is not
-    to be known, each log had one of its own."""
+    """Return the six fitted values, their sigmas for another day, and their sigmas as a mean over
+    all days. If the current is not to be known, each log has a current of its own."""
     between = days.between.copy()
     now = list(FIGURES[_CURRENT].states)
     between[now] = max(between[now][0], DAY**2) if current_known else priors[_CURRENT] ** 2
@@ -288,7 +289,7 @@ def _solved(
 
 
 def _lesson(row: Figure, before: float, off_by: Array, sigmas: Array, mean: Array) -> Lesson:
-    """``off_by``: from the vehicle file; ``mean``: how well that is known."""
+    """``off_by``: difference from the vehicle file; ``mean``: sigma of the mean over all days."""
     logs = max(float(sigmas[i]) for i in row.states)
     off = max(abs(float(off_by[i])) / math.hypot(before, float(mean[i])) for i in row.states)
     return Lesson(row, before, logs, logs < before or off > _CONTRADICTS)
@@ -297,8 +298,9 @@ def _lesson(row: Figure, before: float, off_by: Array, sigmas: Array, mean: Arra
 def _with(
     begun: Vehicle, vehicle: Vehicle, lessons: Sequence[Lesson], x: Array, turn: float, near: int
 ) -> Vehicle:
-    """``turn``: the filter's phase of the deviation is the corrected heading's. ``near``: so many
-    logs teach the current; while they are few it is shrunk towards none."""
+    """Write the fit into the vehicle. ``turn``: the filter's deviation is a function of the
+    corrected heading, so its phase is turned by this. ``near``: number of logs that teach the
+    current; a few shrink it towards zero."""
     scale, bias, a, b, north, east = x.tolist()
     known, old = begun.calibration, vehicle.calibration.deviation
     c, s = math.cos(turn), math.sin(turn)

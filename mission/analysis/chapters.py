@@ -1,6 +1,6 @@
-"""What a dive is told in: chapters of sentences and tables.
+"""The structure of a dive's story: chapters of sentences and tables.
 
-What does not live here: what they say (story), how they are printed (tell).
+What does not live here: their contents (story), how they are printed (tell).
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ class Chapter:
 
 Rows = Sequence[tuple[str, ...]]
 
-# title, head, and what is said where there is no row
+# title, head, and the sentence for an empty table
 _TABLES: tuple[tuple[str, tuple[str, ...], str], ...] = (
     ("Legs", ("leg", "from", "for", "ended by"), "No leg was flown."),
     ("Limits", ("limit", "in force", "least left", "at"), "None was in question."),
@@ -45,6 +45,6 @@ _TABLES: tuple[tuple[str, tuple[str, ...], str], ...] = (
 
 
 def tabled(*rows: Rows) -> Iterator[Chapter]:
-    """The tables of a story, each with its rows, in their order."""
+    """Yield the tables of a story in order; each of ``rows`` fills one."""
     for (title, head, none), some in zip(_TABLES, rows, strict=True):
         yield Chapter(title, (), (Table(head, tuple(some)),)) if some else Chapter(title, (none,))

@@ -1,19 +1,19 @@
-"""Stretches of a log along which fixes came all the way: what they say of the noise of the motion.
+"""Motion noise, estimated from stretches of a log ("courses") with fixes all along.
 
-A course is cut where fixes, reports or the heading end, and where the drive is unknown or not on: a
-vehicle that drifts says nothing of how evenly it swims. Of each the speed's share v, the current c
-and the compass's bias b are fitted by least squares over means of ``STEP`` s,
+A course ends where the fixes, the reports or the heading end, and where the thrust is unknown or
+off: a drifting vehicle says nothing about how evenly it swims. Least squares over means of ``STEP``
+s fit to each course the share v of the speed, the current c and the compass bias b:
 
     d(north, east)/dt = v u cos(pitch) (ahead - b to starboard) + c
 
-with u the speed that the thrusters let expect. What is left along the bow is the slow noise of the
-speed (the part of which that v has swallowed is put back), what is left across it the sway; the
-receiver's white noise, by third differences, is taken off both. Velocities over ``STEP`` are those
-of the fixes' places, or, where that noise is less, the receiver's own speed and course: those on a
-steady course alone, as the filter takes them. Of many courses the median counts: one that was
-disturbed changes nothing.
+u is the speed expected from the thrusters. The residual along the bow is the slow noise of the
+speed (the part of it that v absorbed is added back). The residual across the bow is the sway. The
+receiver's white noise, from third differences, is subtracted from both. The velocities over
+``STEP`` come from the fixes' positions or, if that is less noisy, from the receiver's own speed and
+course; these only on a steady course, as the filter uses them. The median over the courses counts,
+so one disturbed course changes nothing.
 
-What does not live here: what many logs say together (pooling, calibration).
+What does not live here: pooling over many logs (pooling, calibration).
 """
 
 from __future__ import annotations
@@ -35,22 +35,24 @@ Inputs = Sequence[Telemetry | Fix]
 
 STEP = 5.0  # s over which velocities are taken from positions
 SHORTEST = 60.0  # s
-KEPT, SWAY = 200.0, 10.0  # s: a speed is kept for minutes, a sway is not
-_APART = 10.0  # s between two fixes or reports of one course
-_UNDER_WAY = 0.3  # m/s by the thrusters: slower is no course
-_RIDGE, _ROUGH = 0.2, 0.15  # m/s: how far a current is expected to be from none; of a velocity
-_TURNS, _GATHERS = 0.15, 0.05  # rad, m/s between two windows: not steady
-_SETTLES = 2  # windows after that
-_SURE = 0.5  # of a sigma: what is known worse is not known
+KEPT, SWAY = 200.0, 10.0  # s: a speed deviation lasts minutes, a sway does not
+_APART = 10.0  # s between two fixes or reports of one course, at most
+_UNDER_WAY = 0.3  # m/s by the thrusters: below this there is no course
+_RIDGE, _ROUGH = 0.2, 0.15  # m/s: sigma of the current's prior; sigma of one velocity
+_TURNS, _GATHERS = 0.15, 0.05  # rad, m/s between two windows: above this the course is not steady
+_SETTLES = 2  # windows that are left out after that
+_SURE = 0.5  # of a sigma: anything less certain counts as unknown
 
 
 @dataclass(frozen=True, slots=True)
 class Course:
-    """Rows are reports: ``t`` s, ``ahead`` and ``place`` n x 2, m: where the thrusters' speed alone
-    would have led, and where it was by its fixes, or by the receiver's speed and course, whichever
-    tells more; ``speed`` the mean of the thrusters' speed; ``noise`` the receiver's, (m/s)^2, in a
-    velocity over ``STEP``; ``counts`` which windows of ``STEP`` tell how evenly it swims;
-    ``by_velocity``: by the receiver's speed and course."""
+    """One course; arrays have a row per report.
+
+    ``ahead``, ``place``: n x 2, m. ``ahead`` is where the thrusters' speed alone would have led.
+    ``place`` is the position by the fixes or by the receiver's speed and course, whichever has less
+    noise; ``by_velocity``: by speed and course. ``speed``: mean of the thrusters' speed, m/s.
+    ``noise``: variance of a velocity over ``STEP`` by the receiver, (m/s)^2. ``counts``: windows of
+    ``STEP`` that show how evenly the vehicle swims."""
 
     t: Array
     ahead: Array
@@ -63,9 +65,11 @@ class Course:
 
 @dataclass(frozen=True, slots=True)
 class Motion:
-    """``scale``: what the thrusters' speed is to be multiplied by. ``along``: one sigma of the
-    speed, m/s; ``across``: of the sway, as a share of the speed. ``sure``: how well both are
-    known by what the receiver hides, m/s; ``seconds`` of courses in all."""
+    """Motion noise over all courses.
+
+    ``scale``: factor on the thrusters' speed. ``along``: one sigma of the speed, m/s. ``across``:
+    one sigma of the sway, as a share of the speed. ``sure``: uncertainty of both from the
+    receiver's noise, m/s. ``seconds``: length of all courses together."""
 
     scale: float
     along: float
@@ -75,7 +79,7 @@ class Motion:
 
 
 def courses(log: Inputs, vehicle: Vehicle) -> list[Course]:
-    """``log`` in the order of its times."""
+    """Find the courses of one log, which is sorted by time."""
     nav, rows, fixes = Navigation(vehicle), list[tuple[float, ...]](), list[tuple[float, ...]]()
     for item in log:
         if isinstance(item, Fix):
@@ -95,14 +99,14 @@ def courses(log: Inputs, vehicle: Vehicle) -> list[Course]:
 
 
 def _velocity(f: Fix) -> tuple[float, float]:
-    """North, east; NaN where the receiver says none."""
+    """Return north and east velocity, m/s; NaN if the receiver gives none."""
     if f.speed is None or f.course is None:
         return math.nan, math.nan
     return f.speed * math.cos(f.course), f.speed * math.sin(f.course)
 
 
 def _cut(rows: Array, fixes: Array) -> list[Course]:
-    """``rows``: t, heading, speed (NaN: no course). ``fixes``: t, place, velocity."""
+    """``rows``: t, heading, speed (NaN: no course). ``fixes``: t, position, velocity."""
     t, at = rows[:, 0], fixes[:, 0]
     i = np.clip(np.searchsorted(at, t), 1, len(at) - 1)
     covered = (t >= at[0]) & (t <= at[-1]) & (at[i] - at[i - 1] <= _APART)
@@ -125,21 +129,21 @@ def _course(rows: Array, fixes: Array) -> Course:
 
 
 def _windows(t: Array, track: Array) -> Array:
-    """Mean velocities over ``STEP``, n x 2."""
+    """Return mean velocities over ``STEP``, n x 2, m/s."""
     at = np.arange(t[0], t[-1], STEP)
     moved: Array = np.diff([np.interp(at, t, track[:, k]) for k in (0, 1)], axis=1).T / STEP
     return moved
 
 
 def _placed(t: Array, fixes: Array) -> tuple[float, Array]:
-    """The noise of a velocity over ``STEP``, and the places at ``t``."""
+    """Return the noise of a velocity over ``STEP``, and the fixes' positions at ``t``."""
     inside = fixes[(fixes[:, 0] >= t[0]) & (fixes[:, 0] <= t[-1])]
     place = np.column_stack([np.interp(t, fixes[:, 0], fixes[:, k]) for k in (1, 2)])
     return 2.0 * (white(inside[:, 1:3].T) / STEP) ** 2, place
 
 
 def _made_good(t: Array, fixes: Array) -> tuple[float, Array]:
-    """The same by the way that the receiver's velocities make; without them nothing is known."""
+    """Return the same from the receiver's velocities; infinite noise if there are too few."""
     first, last = np.searchsorted(fixes[:, 0], t[[0, -1]], side="right")
     said = fixes[max(first - 1, 0) : last + 1]  # one before and one after
     if len(said) < 4 or not np.isfinite(said).all():
@@ -153,13 +157,13 @@ def _made_good(t: Array, fixes: Array) -> tuple[float, Array]:
 
 
 def white(series: Sequence[Sequence[float]] | Array) -> float:
-    """Sigma of white noise by the median of third differences: bends of a track do not count."""
+    """Estimate the sigma of white noise by the median of third differences, which cancel curves."""
     found = [abs(float(d)) for values in series for d in np.diff(np.asarray(values), n=3)]
     return median(found) / 0.6745 / math.sqrt(20.0) if found else 0.0  # 1 + 9 + 9 + 1
 
 
 def motion(found: Sequence[Course]) -> Motion | None:
-    """The medians over the courses; None without one."""
+    """Return the medians over the courses; None without a course."""
     if not found:
         return None
     fits = np.array([_fit(course) for course in _evened(found)])
@@ -173,16 +177,16 @@ def motion(found: Sequence[Course]) -> Motion | None:
 
 
 def _evened(found: Sequence[Course]) -> list[Course]:
-    """Of velocities the noise is the receiver's, the same on all courses: one alone tells it to a
-    sixth, which is as much as the speed's own noise."""
+    """Give all courses by velocity the same noise, their median. It is the receiver's, and one
+    course alone determines it to a sixth only, which is as much as the speed's own noise."""
     told = [course.noise for course in found if course.by_velocity]
     noise = median(told) if told else math.nan
     return [replace(c, noise=noise) if c.by_velocity else c for c in found]
 
 
 def _fit(course: Course) -> tuple[float, float, float, float]:
-    """Share of the thrusters' speed; mean squares along and across, less the fixes' part, and
-    that part ((m/s)^2)."""
+    """Return the share of the thrusters' speed, the mean squares along and across the bow less the
+    fixes' part, and that part ((m/s)^2)."""
     ahead, velocity = (
         _windows(course.t, track)[course.counts] for track in (course.ahead, course.place)
     )
@@ -198,14 +202,14 @@ def _fit(course: Course) -> tuple[float, float, float, float]:
     bow = (ahead / np.linalg.norm(ahead, axis=1, keepdims=True)).T
     along, across = (left * bow).sum(axis=0), left[1] * bow[0] - left[0] * bow[1]
     unseen = in_the_mean(STEP * len(course.counts) / KEPT)
-    noise = course.noise * (1.0 - 2.0 / n)  # what a fit of four leaves of it
+    noise = course.noise * (1.0 - 2.0 / n)  # a fit of four parameters leaves this much of it
     slow = (float(np.mean(along * along)) - noise) / (1.0 - unseen)
     return float(x[0]), slow, float(np.mean(across * across)) - noise, noise
 
 
 def _steady(ahead: Array) -> NDArray[np.bool_]:
-    """Windows without a turn or a change of speed, and not the ``_SETTLES`` after: how a hull slips
-    and gathers way is the filter's matter."""
+    """Mark windows without a turn or a change of speed, and not within ``_SETTLES`` after one: the
+    filter models how a hull slips and gathers way."""
     speed = np.hypot(*ahead.T)
     turned = ahead[1:, 0] * ahead[:-1, 1] - ahead[1:, 1] * ahead[:-1, 0]
     angle = np.abs(np.arctan2(turned, (ahead[1:] * ahead[:-1]).sum(axis=1)))
@@ -217,5 +221,6 @@ def _steady(ahead: Array) -> NDArray[np.bool_]:
 
 
 def in_the_mean(x: float) -> float:
-    """Share of a Gauss-Markov process's variance that its mean over x correlation times has."""
+    """Return the share of a Gauss-Markov process's variance that remains in its mean over x
+    correlation times."""
     return 2.0 / x * (1.0 - (1.0 - math.exp(-x)) / x)

@@ -1,9 +1,9 @@
-"""Which sensors could not be believed, and when: by the health that flew, over what came in.
+"""Which sensors could not be believed, and when: the health checks as on board, on recorded inputs.
 
     records --Doubts--> spells of disbelief, sensor by sensor
 
-What the engine alone knows, how it pushed, is not asked here: a depth that only thrust contradicts
-is told by its limit. What does not live here: what health is (navigation.health).
+The thrust that the engine applied is not used here. If only the thrust contradicts a depth, the
+limit "depth contradicted" reports it. What does not live here: what health is (navigation.health).
 """
 
 from __future__ import annotations
@@ -21,21 +21,21 @@ from mission.onboard.runtime import records as rec
 from mission.onboard.stream.senses import CLOCKS, Senses
 from protocol.messages import Fix, Telemetry
 
-DOUBTED = tuple(name for name in SENSORS if name != "position")  # none is heard under water
-CONTRADICTED = "depth contradicted"  # the limit
+DOUBTED = tuple(name for name in SENSORS if name != "position")  # no fix under water
+CONTRADICTED = "depth contradicted"  # the name of the limit
 _ABOARD = "contradicted on board"
 _BLINK_S = 1.0
 _MEANS = {
     ("attitude", "absurd"): "absurd, or on its side or back",  # beyond 90 deg
-    ("altitude", "absurd"): "absurd, or without an echo",  # as the altimeter then says 0
+    ("altitude", "absurd"): "absurd, or without an echo",  # the altimeter then reports 0
 }
 
 
 @dataclass(frozen=True, slots=True)
 class Spell:
-    """A sensor that could not be believed, which was noticed at ``begin`` and over at ``end``.
-    ``since``: from when it held: the last report before a silence, the first of a value that
-    stands; None where that is when it was noticed."""
+    """A period in which a sensor could not be believed, noticed at ``begin`` and over at ``end``.
+    ``since``: when the fault began: the last report before a silence, the first of a frozen value;
+    None if that is when it was noticed."""
 
     sensor: str
     begin: float
@@ -62,8 +62,8 @@ class Timeline:
         t: float,
         stands: Callable[[str], float | None] = lambda _: None,
     ) -> None:
-        """Notes each sensor's health at ``t``. ``stands``: since when a frozen sensor repeats
-        itself."""
+        """Record each sensor's health at ``t``. ``stands``: since when a frozen sensor repeats its
+        value."""
         for sensor in self._sensors:
             seen = health(sensor, t)
             begin, was, since = self._open.get(sensor, (t, "", None))
@@ -79,14 +79,14 @@ class Timeline:
 
 
 def _since(health: Health, t: float, stands: float | None) -> float | None:
-    """From when what was noticed at ``t`` held."""
+    """Return when the fault that was noticed at ``t`` began."""
     if health.reason == "stale":
         return t - health.age
     return stands if health.reason == "frozen" else None
 
 
 class Doubts:
-    """Of one run of the program, from its first report on."""
+    """The doubts in one run of the program, from its first report on."""
 
     def __init__(self, vehicle: Vehicle) -> None:
         self._senses = Senses(vehicle)
@@ -94,10 +94,11 @@ class Doubts:
         self._timeline = Timeline(vehicle.reports)
         self._stood: dict[str, tuple[float, float]] = {}  # channel: its value, and since when
         self._heard = False
-        self._contradicted = False  # the depth, by the engine
+        self._contradicted = False  # the engine contradicts the depth
 
     def receive(self, record: Record) -> None:
-        """What comes no more is stale. Before the first report there is no doubt."""
+        """Update the health with one record. A sensor that stops reporting becomes stale. Nothing
+        is in doubt before the first report."""
         if record.kind == rec.STANDING:
             self._contradicted = CONTRADICTED in rec.read_standing(record).breached
         for sensed in self._senses.hear(record):
@@ -116,13 +117,13 @@ class Doubts:
                 self._stood[name] = monitor.value, t
 
     def _stands(self, sensor: str) -> float | None:
-        """Since when the channels that are frozen say what they say."""
+        """Return since when the sensor's frozen channels repeat their value; None if none is."""
         frozen = (n for n, m in self._health.monitors.items() if m.reason == "frozen")
         since = [self._stood[n][1] for n in frozen if CHANNELS[n].sensor == sensor]
         return min(since, default=None)
 
     def reason(self, sensor: str, t: float) -> str:
-        """Why it cannot be believed; "" where it can."""
+        """Return why the sensor cannot be believed; "" if it can."""
         return self._of(sensor, t).reason
 
     def believes(self, sensor: str, t: float) -> bool:
@@ -139,8 +140,8 @@ class Doubts:
 
 
 def summed(spells: Iterable[Spell]) -> list[tuple[str, ...]]:
-    """Rows of a table: sensor, what it was, from when that held, when it was first noticed, to, how
-    often, s in all. Blinks are left out."""
+    """Return table rows: sensor, reason, when the first fault began, when it was noticed, when the
+    last one ended, how often, total time. Totals shorter than ``_BLINK_S`` are left out."""
     found: dict[tuple[str, str], list[Spell]] = {}
     for spell in spells:
         found.setdefault((spell.sensor, spell.reason), []).append(spell)
@@ -154,13 +155,13 @@ def summed(spells: Iterable[Spell]) -> list[tuple[str, ...]]:
 
 
 def lasting(spells: Iterable[Spell]) -> float:
-    """s in all."""
+    """Return the total length of the spells, s."""
     return sum(spell.end - spell.first for spell in spells)
 
 
 def doubted_depth(spells: Iterable[Spell], fixes: Iterable[float]) -> Iterator[str]:
-    """Tells that the depth could not be believed for ``SILENT_S`` or more in all. ``fixes``: the
-    times of the fixes, s."""
+    """Say that the depth could not be believed for ``SILENT_S`` or more in total. ``fixes``: times
+    of the fixes, s."""
     deep = [spell for spell in spells if spell.sensor == "depth"]
     if (lasted := lasting(deep)) < SILENT_S:
         return

@@ -1,4 +1,4 @@
-"""Pictures of a dive that is over: the track three times, innovations, residuals, sensors.
+"""Pictures of a finished dive: three tracks, innovations, residuals, sensors.
 
 matplotlib is imported when a picture is drawn, with the Agg back end: no display is needed.
 """
@@ -42,7 +42,7 @@ def _figure(rows: int, heights: Sequence[float], size: tuple[float, float]) -> t
 
 
 def draw_track(track: Track, spells: Sequence[Spell], path: Path, title: str) -> None:
-    """Writes a PNG."""
+    """Draw the track and its quality into a PNG."""
     figure, (plan, nis, residual, sensors) = _figure(4, (3.2, 1.0, 1.0, 0.9), (9.0, 13.0))
     _plan(plan, track)
     draw_quality((nis, residual, sensors), track, spells)
@@ -51,20 +51,20 @@ def draw_track(track: Track, spells: Sequence[Spell], path: Path, title: str) ->
 
 
 def draw_quality(axes: Sequence[Axes], track: Track, spells: Sequence[Spell]) -> None:
-    """Innovations and residuals of the fixes, and when which sensor could not be believed."""
+    """Draw innovations and residuals of the fixes, and when which sensor could not be believed."""
     nis, residual, sensors = axes
     _innovations(nis, track)
     _residuals(residual, track, spells)
     _spells(sensors, spells)
     for one in (nis, residual, sensors):
         begin, end = float(track.t[0]), float(track.t[-1])
-        margin = max(0.01 * (end - begin), 1.0)  # fixes come first and last, as a rule
+        margin = max(0.01 * (end - begin), 1.0)  # fixes usually come first and last
         one.set_xlim(begin - margin, end + margin)
     timed(axes)
 
 
 def timed(axes: Sequence[Axes]) -> None:
-    """Times as the story has them, at whole minutes where there are many."""
+    """Format the time axes as the story does, with ticks at round steps."""
     from matplotlib.ticker import FuncFormatter, MultipleLocator
 
     for one in axes:
@@ -117,7 +117,7 @@ def _innovations(axes: Axes, track: Track) -> None:
 
 
 def _plain_numbers(axes: Axes) -> None:
-    """0.3 and 10 at a logarithmic axis, not powers of ten."""
+    """Label a logarithmic axis with 0.3 and 10, not with powers of ten."""
     from matplotlib.ticker import StrMethodFormatter
 
     axes.yaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
@@ -125,7 +125,8 @@ def _plain_numbers(axes: Axes) -> None:
 
 
 def _residuals(axes: Axes, track: Track, spells: Sequence[Spell]) -> None:
-    """Of the depth only where it could be believed: 6553.5 m would flatten all others."""
+    """Draw the depth's residuals only where the depth could be believed: 6553.5 m would flatten all
+    others."""
     t = [f.t for f in track.fixes]
     axes.plot(t, [f.residual[0] for f in track.fixes], ".", ms=5, color=_FILTERED, label="north")
     axes.plot(t, [f.residual[1] for f in track.fixes], "x", ms=4, color=_SMOOTHED, label="east")
@@ -156,7 +157,7 @@ def _spells(axes: Axes, spells: Sequence[Spell]) -> None:
 
 
 def draw_calibration(done: Calibrated, path: Path) -> None:
-    """Error at the end of each dive, before and after, and the compass's error over the heading."""
+    """Draw the error at the end of each dive, before and after, and the compass error."""
     figure, (dives, compass) = _figure(2, (1.0, 1.0), (8.0, 8.0))
     known = [s for s in done.stretches if s.distance > 1.0]
     at = np.arange(len(known))
@@ -165,7 +166,7 @@ def draw_calibration(done: Calibrated, path: Path) -> None:
         dives.bar(at + shift, values, 0.4, color=colour, label=name)
     dives.set_xticks(at, [f"log {s.log + 1}\ndive at {s.begin:.0f} s" for s in known], fontsize=7)
     dives.set_ylabel("error at the next fix, % of distance")
-    dives.margins(y=0.2)  # room for the legend
+    dives.margins(y=0.2)  # space for the legend
     held_out = ", after: calibrated on the other logs" if done.held_out else ""
     dives.set_title(f"dead reckoning before and after calibration{held_out}", fontsize=10)
     if known:

@@ -1,7 +1,7 @@
-"""95 % ellipses on a plan, east to the right and north up, in m; of flights, dives and tracks.
+"""95 % ellipses on plans (east to the right, north up, m) of flights, dives and tracks.
 
-An ellipse that is larger than a quarter of the frame would bury the track, and so would many that
-lie on one another: they are left out. None makes the frame larger.
+An ellipse larger than a quarter of the frame would hide the track, and so would many ellipses on
+top of one another. These are left out. No ellipse makes the frame larger.
 """
 
 from __future__ import annotations
@@ -17,11 +17,12 @@ if TYPE_CHECKING:
 
 LARGEST = 0.25  # of the frame's long side
 
-Placed = tuple[float, float, Covariance]  # east, north, m, and of north and east, m^2
+Placed = tuple[float, float, Covariance]  # east, north, m; covariance of north and east, m^2
 
 
 def ellipse(covariance: Covariance) -> tuple[float, float, float]:
-    """Full axes (m, along and across) of the 95 % ellipse and its long axis's bearing (rad)."""
+    """Return the full axes of the 95 % ellipse (m, long and short) and the bearing of its long axis
+    (rad)."""
     great, small, bearing = principal(covariance)
     return 2.0 * PLANE_95 * great, 2.0 * PLANE_95 * small, bearing
 
@@ -29,8 +30,8 @@ def ellipse(covariance: Covariance) -> tuple[float, float, float]:
 def draw_ellipses(
     axes: Axes, places: Iterable[Placed], width: float, colour: str, label: str = "95 % ellipses"
 ) -> None:
-    """Those that a frame of ``width`` m has room for, each clear of the one before it; the legend
-    has the label, and says if larger ones were left out."""
+    """Draw the ellipses that fit into a frame of ``width`` m, each clear of the one before it. The
+    legend shows the label, and says if larger ones were left out."""
     from matplotlib.patches import Ellipse
 
     known = [(e, n, ellipse(covariance)) for e, n, covariance in places if math.isfinite(e + n)]
@@ -51,7 +52,7 @@ def draw_ellipses(
 
 
 def width_of(places: Iterable[tuple[float, float]]) -> float:
-    """The long side, m, of the frame around what is finite of places (east, north)."""
+    """Return the long side, m, of the frame around all finite places (east, north)."""
     known = [place for place in places if math.isfinite(place[0] + place[1])]
     if not known:
         return 0.0

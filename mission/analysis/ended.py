@@ -1,4 +1,4 @@
-"""Why a leg was left, for people: the guard as the mission has it, and what it saw."""
+"""Why a leg ended, for people: the guard as the mission writes it, and the values it saw."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _SIGNS = str.maketrans({"\u2264": "<=", "\u2265": ">=", "\u00b0": " deg"})  # fo
 
 
 def ended_by(chart: Chart, trigger: str, seen: Iterable[tuple[str, float | None]]) -> str | None:
-    """None for what is no edge of the mission."""
+    """Describe the edge that fired and its values; None if the mission has no such edge."""
     edge = next((e for e in chart.edges if trigger and e.trigger == trigger), None)
     if edge is None:
         return None

@@ -1,8 +1,9 @@
-"""How deep and how far a vehicle went, and how near the bottom, by what it knew of itself.
+"""The greatest depth and distance and the least altitude of a vehicle, by its own readings.
 
     reports and states --Extremes--> sentences
 
-What it has no sense for is not told: a vehicle without a depth was not "0 m deep".
+A quantity that the vehicle cannot measure is not reported: a vehicle without a depth sensor was not
+"0 m deep".
 """
 
 from __future__ import annotations
@@ -12,32 +13,32 @@ from typing import Any
 
 from mission.model.shown import clock
 
-TRACKED_BY = frozenset({"heading", "position"})  # of what it reports; with neither it stays at home
+TRACKED_BY = frozenset({"heading", "position"})  # with neither, the estimate stays at home
 
 
 class Extremes:
-    """Of one run of the program, while a mission or an emergency is under way: depths, altitudes
-    and distances in m, with the time."""
+    """The extremes of one run of the program while a mission or an emergency is under way: depths,
+    altitudes and distances in m, with their times."""
 
     def __init__(self) -> None:
         self._deepest: tuple[float, float] | None = None
         self._lowest: tuple[float, float] | None = None
         self._farthest: tuple[float, float] | None = None
-        self.last: float | None = None  # m, by the newest report; None: not to be believed
+        self.last: float | None = None  # m, by the newest report; None if it is not believed
 
     @property
     def at_last(self) -> str:
         return "" if self.last is None else f", {max(self.last, 0.0):.1f} m deep by its last report"
 
     def report(self, t: float, depth: float | None) -> None:
-        """``depth``: one that could be believed."""
+        """``depth``: m; one that is believed."""
         if depth is not None and (self._deepest is None or depth > self._deepest[0]):
             self._deepest = depth, t
 
     def state(
         self, t: float, state: Mapping[str, Any], altitude_believed: bool, away: float | None
     ) -> None:
-        """``away``: m from home; None where the vehicle has no sense for it."""
+        """``away``: m from home; None if the vehicle cannot tell."""
         low = state["altitude_m"]
         if low is not None and altitude_believed:
             self._lowest = min(self._lowest or (low, t), (low, t))

@@ -1,9 +1,9 @@
-"""The float test: how fast the vehicle rises with every thruster neutral, out of its reports.
+"""The float test: how fast the vehicle rises with all thrusters neutral, from its reports.
 
-A rise begins when the thrusters have been neutral for SETTLE and lasts while they are, and while it
-is deeper than TOP, where the hull emerges. Its speed is the slope common to all rises, by least
-squares with a depth of its own for each (Draper and Smith, Applied Regression Analysis, 1998, ch.
-14: parallel lines). What is told is what the vehicle rises at least: two sigma less.
+A rise begins when the thrusters have been neutral for SETTLE. It lasts while they stay neutral and
+the vehicle is deeper than TOP, where the hull emerges. The speed is the slope common to all rises,
+by least squares with a separate depth for each (Draper and Smith, Applied Regression Analysis,
+1998, ch. 14: parallel lines). The result is a lower bound of the rate: two sigma less.
 
 What does not live here: the texts (lessons), what follows from the figure (check, doctor).
 """
@@ -17,18 +17,18 @@ from dataclasses import dataclass
 from mission.engine.thrust import NEUTRAL, THRUSTERS
 from protocol.messages import Fix, Telemetry
 
-SETTLE = 3.0  # s: twice what mass over drag lets the speed lag
+SETTLE = 3.0  # s: twice the time by which mass over drag delays the speed
 TOP = 0.5  # m
 ENOUGH = 3  # rises
-FREE = 4  # depths more than figures, without which the vehicle file's noise counts
+FREE = 4  # residual degrees of freedom; with fewer, the vehicle file's noise counts
 _GAP = 10.0  # s without a report ends a rise
-_DEEPEST = 1000.0  # m: deeper is no depth
+_DEEPEST = 1000.0  # m: a deeper reading is not a depth
 
 
 @dataclass(frozen=True, slots=True)
 class Rise:
-    """``rate``: m/s upward, ``sigma`` its own; by so many ``rises``. ``day``: YYYY-MM-DD, of the
-    last log that has one, by its fixes."""
+    """The rate of ascent by buoyancy alone: ``rate`` m/s upward, ``sigma`` its own, over ``rises``
+    rises. ``day``: YYYY-MM-DD of the last log with a date, by its fixes."""
 
     rate: float
     sigma: float
@@ -37,12 +37,13 @@ class Rise:
 
     @property
     def at_least(self) -> float:
-        """Two sigma; what is less than that is not sure."""
+        """The rate less two sigma."""
         return self.rate - 2.0 * self.sigma
 
 
 def rise_of(logs: Sequence[Sequence[Telemetry | Fix]], noise: float) -> Rise | None:
-    """None where the logs hold too few rises, or no day. ``noise``: m, one sigma of a depth."""
+    """Estimate the rise; None if the logs have too few rises, or no date. ``noise``: m, one sigma
+    of a depth."""
     rises = [r for log in logs for r in _rises(i for i in log if isinstance(i, Telemetry))]
     days = [i.utc[:10] for log in logs for i in log if isinstance(i, Fix) and i.utc]
     if len(rises) < ENOUGH or not days:
@@ -60,7 +61,7 @@ def rise_of(logs: Sequence[Sequence[Telemetry | Fix]], noise: float) -> Rise | N
 
 
 def _rises(reports: Iterator[Telemetry]) -> Iterator[list[tuple[float, float]]]:
-    """Times and depths of each; two or more."""
+    """Yield the times and depths of each rise that has two or more."""
     let_go: float | None = None
     rise: list[tuple[float, float]] = []
     last = -math.inf
@@ -81,7 +82,7 @@ def _rises(reports: Iterator[Telemetry]) -> Iterator[list[tuple[float, float]]]:
 
 
 def _is_neutral(report: Telemetry) -> bool:
-    """A vehicle that does not say what its thrusters do tells nothing of its buoyancy."""
+    """Whether all thrusters are neutral; False if the report does not include them."""
     return report.actuators is not None and all(
         abs(a) <= NEUTRAL for a in report.actuators[:THRUSTERS]
     )

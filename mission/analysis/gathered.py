@@ -1,6 +1,6 @@
-"""What one run of the program did, as a story gathers it: legs, margins, rows, sentences.
+"""The data of one run of the program that a story collects: legs, margins, rows, sentences.
 
-What does not live here: how it is gathered (story).
+What does not live here: how they are collected (story).
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from mission.analysis.repeats import Again, Commands, Refusals, Rows, Words
 from mission.model.shown import clock, duration
 
-SAME_AGAIN_S = 60.0  # an alarm or a refusal that comes again so soon is one row
+SAME_AGAIN_S = 60.0  # an alarm or a refusal that repeats within this time is one row
 UNITS = {"depth": "m", "radius": "m", "time": "s", "voltage": "V"}  # of the limits
 
 
@@ -22,7 +22,7 @@ class Leg:
     because: str = "it was flown when the recording ended"
 
     def row(self, end: float) -> tuple[str, ...]:
-        """Of the table of legs; ``end`` of the recording."""
+        """Return a row of the table of legs. ``end``: of the recording."""
         lasted = round((end if self.left is None else self.left) - self.entered, 1)
         leg = self.path.partition("/")[2]
         return leg, clock(self.entered), duration(lasted), self.because
@@ -30,21 +30,21 @@ class Leg:
 
 @dataclass(slots=True)
 class Least:
-    """The smallest margin to a limit, m, s or V, and when."""
+    """The smallest margin to a limit (m, s or V), and when it occurred."""
 
     left: float
     t: float
     bound: float
 
     def row(self, name: str) -> tuple[str, ...]:
-        """Of the table of limits."""
+        """Return a row of the table of limits."""
         unit = UNITS[name]
         return name, f"{self.bound:g} {unit}", f"{self.left:z.1f} {unit}", clock(self.t)
 
 
 @dataclass(slots=True)
 class Told:
-    """What one run of the program did, as it is gathered."""
+    """The data of one run of the program, as they are collected."""
 
     legs: list[Leg] = field(default_factory=list)
     commands: Commands = field(default_factory=Commands)

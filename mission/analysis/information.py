@@ -1,9 +1,9 @@
 """What the fixes of one log teach about each figure of a calibration.
 
-The log is filtered with wide priors; what its fixes taught is the information that its posterior
-has beyond the prior (Maybeck, Stochastic Models, Estimation, and Control 1, 1979, ch. 5.7).
+The log is filtered with wide priors. The fixes taught the information that the posterior has beyond
+the prior (Maybeck, Stochastic Models, Estimation, and Control 1, 1979, ch. 5.7).
 
-What does not live here: what many logs say together (calibration).
+What does not live here: combining many logs (calibration).
 """
 
 from __future__ import annotations
@@ -34,16 +34,18 @@ from mission.navigation.navigator import Navigation
 from protocol.messages import Fix
 
 FITTED = (SCALE, COMPASS, SIN, COS, CN, CE)
-DAY = 0.05  # m/s: no current is known better for another day
-_NEXT = 1.5  # s between two fixes of which one is soon after the other
+DAY = 0.05  # m/s: least sigma of a current on another day
+_NEXT = 1.5  # s between two successive fixes, at most
 
 
 @dataclass(frozen=True, slots=True)
 class Figure:
-    """A row of what is fitted: which of ``FITTED``, how wide the logs may look for it, as that of
-    which sigma it changes within a log (that of a vehicle that nobody calibrated: what a log tells
-    does not depend on what was told before), the least sigma that is believed, what a log must
-    hold to teach it, and whether days differ in it."""
+    """A figure that is fitted.
+
+    ``states``: indices into ``FITTED``. ``wide``: prior sigma of the fit. ``changes``: the sigma
+    that says how much it changes within a log; it is that of an uncalibrated vehicle, so that a log
+    teaches the same whatever was learned before. ``least``: the smallest sigma that is believed.
+    ``fly``: what a log must contain to teach it. ``daily``: it differs from day to day."""
 
     name: str
     states: tuple[int, ...]
@@ -68,8 +70,8 @@ FIGURES = (
 
 @dataclass(frozen=True, slots=True)
 class Information:
-    """Of one log, about (scale - 1, bias, sin, cos, current north, east), beyond the prior;
-    ``found`` and ``variances``: by this log alone. ``squares``: see ``noise.sensed``."""
+    """The information of one log about (scale - 1, bias, sin, cos, current north, east), beyond the
+    prior. ``found`` and ``variances``: by this log alone. ``squares``: see ``noise.sensed``."""
 
     matrix: Array  # 6 x 6
     vector: Array
@@ -81,7 +83,7 @@ class Information:
 
 
 def precision(sigmas: Sequence[float]) -> Array:
-    """Diagonal, of the six; ``sigmas`` of ``FIGURES``."""
+    """Return the diagonal 6 x 6 precision matrix; ``sigmas``: one for each of ``FIGURES``."""
     wide = [s for row, s in zip(FIGURES, sigmas, strict=True) for _ in row.states]
     return np.diag([1.0 / s**2 for s in wide])
 
@@ -108,7 +110,7 @@ def information(log: Inputs, vehicle: Vehicle) -> Information:
 
 
 def _believing(vehicle: Vehicle, sigmas: Sequence[float]) -> Vehicle:
-    """As sure of each of ``FIGURES`` as ``sigmas`` say, and of no current in the mean."""
+    """Return the vehicle with ``sigmas`` for ``FIGURES`` and with zero mean current."""
     scale, bias, deviation, current = sigmas
     return replace(
         vehicle,
@@ -121,13 +123,13 @@ def _believing(vehicle: Vehicle, sigmas: Sequence[float]) -> Vehicle:
 
 
 def _wide_at_first(far: Figures, near: Figures) -> Figures:
-    """The compass's error, its second harmonic and the speed scale change within a log by as much
-    as in ``near``, however wide they begin: else a log would tell the less of what is lasting, the
-    wider one looks for it. A current that may be strong may change as much."""
+    """Let the compass error, its second harmonic and the speed scale change within a log by as much
+    as in ``near``, however wide the priors are. Else a wider prior would make a log teach less of
+    what lasts. A current that may be strong may also change much."""
     compass = _as_steady(far.compass, near.compass)
     return replace(far, compass=compass, pace=near.pace, second=near.second)
 
 
 def _as_steady(far: Markov, near: Markov) -> Markov:
-    """With the variance that ``near`` gains in a short time."""
+    """Keep the sigma of ``far``, with the variance that ``near`` gains in a short time."""
     return Markov(far.sigma, near.time * (far.sigma / near.sigma) ** 2)

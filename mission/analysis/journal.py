@@ -1,4 +1,4 @@
-"""Black boxes as lines: what happened, or any topic, in the order of the wall's time.
+"""Black boxes as lines: the journal, or any topic, sorted by wall time.
 
     paths --recordings, sorted by their start--> Lines, with a line for each gap and restart
 
@@ -33,13 +33,13 @@ UNTIMED = "time not known"
 
 
 class UnknownTopic(ValueError):
-    """Says which there are."""
+    """The topic does not exist; the message lists those that do."""
 
 
 @dataclass(frozen=True, slots=True)
 class Line:
-    """``wall`` in s since 1970 UTC, ``t`` where no start record tells when that was; ``value`` as
-    the topic's schema says."""
+    """One line. ``wall``: s since 1970 UTC; the same as ``t`` if no start record gives the date.
+    ``value``: by the topic's schema."""
 
     t: float
     wall: float
@@ -57,8 +57,8 @@ class Line:
 
 @dataclass(frozen=True, slots=True)
 class Wanted:
-    """Which lines: of ``topics``, in ``since`` to ``until`` (the engine's time, s), with ``text``
-    somewhere in it, whatever its case. Raises UnknownTopic."""
+    """Filter of lines: of ``topics``, from ``since`` to ``until`` (the engine's time, s), with
+    ``text`` anywhere in the line, ignoring case. Raises UnknownTopic."""
 
     topics: frozenset[str] = _ALL
     since: float = 0.0
@@ -76,21 +76,22 @@ class Wanted:
 
 
 def recordings(paths: Sequence[Path]) -> list[list[Record | Gap]]:
-    """Each once, by their starts' wall times; of the first form, with what was not on record then.
-    Raises BlackBoxError."""
+    """Read each recording once, sorted by the wall time of its start. To a recording of the first
+    form add the records that this form lacks. Raises BlackBoxError."""
     read = [_begun(path) for path in dict.fromkeys(map(first_part, paths))]
     return sorted((_with_standing(items) for items in read), key=began)
 
 
 def _begun(path: Path) -> list[Record | Gap]:
-    """With a start by what is attached, where the record of it is lost."""
+    """Read a recording. If its start record is lost, rebuild it from the file's attachments."""
     items = list(recording(path))
     start = None if start_of(items) is not None else told_start(path)
     return items if start is None else [start, *items]
 
 
 def _with_standing(items: list[Record | Gap]) -> list[Record | Gap]:
-    """By flying its inputs again; where inputs are missing it stays as it is."""
+    """Add what the first form lacks by running the inputs again; unchanged if inputs are
+    missing."""
     start, records = start_of(items), [item for item in items if isinstance(item, Record)]
     damaged = any(isinstance(item, Gap) and not item.cut for item in items)
     if start is None or damaged or rec.read_start(start).form >= rec.FORM:
@@ -103,7 +104,7 @@ def _with_standing(items: list[Record | Gap]) -> list[Record | Gap]:
 
 
 def began(items: Sequence[Record | Gap]) -> float:
-    """s since 1970 UTC; 0 where nothing says it."""
+    """Return the wall time of the start, s since 1970 UTC; 0 without a start record."""
     start = start_of(items)
     return rec.read_start(start).wall if start else 0.0
 
@@ -114,14 +115,14 @@ def start_of(items: Sequence[Record | Gap]) -> Record | None:
 
 
 def lines(items: Iterable[Record | Gap], wanted: Wanted) -> Iterator[Line]:
-    """Of one recording."""
+    """Yield the lines of one recording."""
     reading = Lines(wanted)
     for item in items:
         yield from reading.receive(item)
 
 
 class Lines:
-    """Of one recording, item by item."""
+    """The lines of one recording, item by item."""
 
     def __init__(self, wanted: Wanted) -> None:
         self._wanted = wanted
@@ -144,7 +145,7 @@ class Lines:
         if record.kind in self._wanted.topics:
             yield Line(record.t, self._wall(record.t), record.kind, json.loads(record.payload))
         if self._derivation is None and JOURNAL in self._wanted.topics:
-            for event in events_of(record):  # what needs no start to be told
+            for event in events_of(record):  # events that need no start record
                 said = wellknown.log(event.t, event.level, event.of, event.says)
                 yield Line(event.t, event.t, JOURNAL, said)
         if self._derivation is not None and self._wanted.topics & _DERIVED:
@@ -156,8 +157,9 @@ class Lines:
 
 
 def restart(before: Sequence[Record | Gap], after: Sequence[Record | Gap]) -> str:
-    """Between two recordings, in words. One that began before the other ended is no program that
-    began again: another vehicle's, another simulation's, or a clock was set back."""
+    """Describe the break between two recordings in words. If the later one began before the earlier
+    one ended, the program did not restart: it is another vehicle or simulation, or a clock was set
+    back."""
     start, earlier = start_of(after), start_of(before)
     if start is None or earlier is None:
         return "another recording, without its start"
@@ -172,7 +174,7 @@ def restart(before: Sequence[Record | Gap], after: Sequence[Record | Gap]) -> st
 
 
 def goes_on(before: Sequence[Record | Gap], after: Sequence[Record | Gap]) -> bool:
-    """Whether the program of the same vehicle began again, after the other recording ended."""
+    """Whether the same vehicle's program restarted after the other recording ended."""
     start, earlier = start_of(after), start_of(before)
     if start is None or earlier is None:
         return False
@@ -182,8 +184,8 @@ def goes_on(before: Sequence[Record | Gap], after: Sequence[Record | Gap]) -> bo
 
 
 def follow(path: Path, wanted: Wanted, sleep: Callable[[float], None]) -> Iterator[Line]:
-    """What a file that is being written gets from now on, without end; the rest is read silently.
-    Raises BlackBoxError."""
+    """Yield the lines that are appended to a file from now on, without end; the existing content is
+    read silently. Raises BlackBoxError."""
     box, reading = GrowingBox(first_part(path)), Lines(wanted)
     try:
         for record in box.read():

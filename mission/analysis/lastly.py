@@ -1,10 +1,10 @@
-"""Where a vehicle was when the recording ended, how it drifts, and what somebody has to do.
+"""The end of a recording: where the vehicle was, how it drifts, what somebody has to do.
 
     steps, states, fixes and reports --Lastly--> sentences
 
-The place is the estimate's last one; the drift is the slope of the fixes of the last ``DRIFT_S`` in
-which everything was stopped, by least squares. What does not live here: how far it ever was
-(extremes), that it sank at rest (resting).
+The position is the last estimate. The drift is the least-squares slope of the fixes of the last
+``DRIFT_S`` during which everything was stopped. What does not live here: the greatest distance
+(extremes), sinking at rest (resting).
 """
 
 from __future__ import annotations
@@ -26,16 +26,17 @@ from mission.onboard.stream.topics import FIX, STATE, TELEMETRY
 from protocol.messages import Order
 
 DRIFT_S = 60.0
-_LEAST_S, _LEAST_FIXES = 8.0, 5  # from less nothing is told of a drift
-_TURNS = 0.02  # share of full thrust, as the engine has it
+_LEAST_S, _LEAST_FIXES = 8.0, 5  # with less, no drift is reported
+_TURNS = 0.02  # share of full thrust above which a thruster turns, as in the engine
 _WINDS = ("north", "northeast", "east", "southeast", "south", "southwest", "west", "northwest")
 
 Drift = tuple[float, float, float]  # m/s to the north and to the east, one sigma of each
 
 
 class Lastly:
-    """Of one run of the program. ``reports``: what the vehicle can tell. ``home``: of the recording
-    before, from which distances go on to be counted until a mission is started in this one."""
+    """The end of one run of the program. ``reports``: what the vehicle can report. ``home``: that
+    of the recording before; distances are measured from it until a mission starts in this
+    recording."""
 
     def __init__(self, reports: frozenset[str] = frozenset(), home: Position | None = None) -> None:
         self._tracked = bool(reports & TRACKED_BY)
@@ -44,7 +45,7 @@ class Lastly:
         self._place: tuple[float, float, float, float] | None = None  # t, degrees, 95 % radius
         self._fixes: list[tuple[float, float, float]] = []  # t, degrees
         self._thrusters: Mapping[str, float] | None = None
-        self._reported = 0.0  # s, when they were told
+        self._reported = 0.0  # s, when the thrusters were reported
 
     def step(self, step: Step) -> None:
         if step.trigger == "start":
@@ -68,11 +69,12 @@ class Lastly:
             self._reported = message.t
 
     def home(self, origin: Position | None) -> Position | None:
-        """From where distances are counted; ``origin``: of this recording's estimate."""
+        """Return the point that distances are measured from; ``origin``: of this recording's
+        estimate."""
         return self._before or origin
 
     def away(self, state: Mapping[str, Any]) -> float | None:
-        """m from home, of a state."""
+        """Return the distance of a state from home, m."""
         if not self._tracked or state["north_m"] is None:
             return None
         if self._before is None or state["latitude_deg"] is None:
@@ -80,7 +82,7 @@ class Lastly:
         return math.hypot(*_apart(self._before, state["latitude_deg"], state["longitude_deg"]))
 
     def says(self, end: float, origin: Position | None, deep_known: bool) -> Iterator[str]:
-        """``deep_known``: its depth can be believed at the end."""
+        """``deep_known``: the depth can be believed at the end."""
         if self._tracked:
             yield from self._where(end, self.home(origin))
         drift = self._drift(end) if self._rests else None
@@ -110,13 +112,13 @@ class Lastly:
             yield self._after(Position(latitude, longitude))
 
     def _after(self, estimate: Position) -> str:
-        """A fix that no estimate holds yet."""
+        """Describe a fix that the estimate does not include yet."""
         t, *fix = self._fixes[-1]
         away = math.hypot(*_apart(estimate, *fix))
         return f"A fix came after that, at {clock(t)}: {degrees(*fix)}, {away:.0f} m from there."
 
     def _drift(self, end: float) -> tuple[Drift, float] | None:
-        """And over how long, s."""
+        """Return the drift and the time that it was measured over, s."""
         since = max(self._since, end - DRIFT_S)
         fixes = [fix for fix in self._fixes if fix[0] >= since]
         if len(fixes) < _LEAST_FIXES or fixes[-1][0] - fixes[0][0] < _LEAST_S:
@@ -160,7 +162,7 @@ def degrees(latitude: float, longitude: float) -> str:
 
 
 def slope(places: Sequence[tuple[float, float, float]]) -> Drift:
-    """Of three or more (t, north, east)."""
+    """Fit a straight line to three or more (t, north, east)."""
     count = len(places)
     t0, n0, e0 = (sum(column) / count for column in zip(*places, strict=True))
     along = sum((t - t0) ** 2 for t, _, _ in places)
@@ -186,6 +188,6 @@ def _wind(north: float, east: float) -> str:
 
 
 def _apart(home: Position, latitude_deg: float, longitude_deg: float) -> tuple[float, float]:
-    """North and east of home, m."""
+    """Return north and east of home, m."""
     angles = math.radians(latitude_deg), math.radians(longitude_deg)
     return LocalFrame(home).to_local(*angles)

@@ -1,6 +1,6 @@
-"""What calibration says: the section of a vehicle file, and what the logs did not teach.
+"""Texts of a calibration: the section of a vehicle file, and what the logs did not teach.
 
-What does not live here: how it is found (calibration).
+What does not live here: how the figures are found (calibration).
 """
 
 from __future__ import annotations
@@ -32,7 +32,8 @@ _NAMES = (*_HEARD, _DRIFT, *(row.name for row in FIGURES))
 
 
 def untaught(done: Calibrated) -> list[str]:
-    """A line for each figure that stays as it was: how little is known of it, what to fly."""
+    """Return a line for each figure that is kept as it was: how little is known, and what to
+    fly."""
     lines = [
         f"these logs teach too little about {o.figure.name}: one sigma is {_said(o, o.logs)} "
         f"by them, {_said(o, o.before)} in the vehicle file: kept as it was; "
@@ -65,7 +66,7 @@ def _drift_taught(done: Calibrated) -> bool:
 
 
 def rise(done: Calibrated) -> str:
-    """The lines of a vehicle file that say how fast it rises by itself; "" if nothing taught it."""
+    """Return the vehicle file's lines on the rise by buoyancy; "" if no log taught it."""
     found = done.rise
     if found is None:
         return ""
@@ -83,8 +84,8 @@ def _said(lesson: Lesson, sigma: float) -> str:
 
 
 def taught(done: Calibrated) -> list[str]:
-    """A line for each figure that is taken over: how sure it is; then what was left out, and how
-    far the dives themselves were from what the figures say."""
+    """Return a line for each figure that is taken over, with its sigma; then the drift, and the
+    factor by which the dives' errors differ from what the figures say."""
     lines = [
         f"{o.figure.name}: one sigma {_said(o, o.logs)} by these logs, "
         f"{_said(o, o.before)} in the vehicle file"
@@ -105,7 +106,7 @@ def taught(done: Calibrated) -> list[str]:
 
 
 def left_out(done: Calibrated, names: Sequence[str]) -> list[str]:
-    """A line for each log of ``names`` that does not count, and why."""
+    """Return a line for each log of ``names`` that is not counted, and why."""
     lines = [
         f"{names[i]}: a copy of {names[j]}, or a piece of it: counted once" for i, j in done.copies
     ]
@@ -116,14 +117,14 @@ def left_out(done: Calibrated, names: Sequence[str]) -> list[str]:
 
 
 def kept(done: Calibrated) -> frozenset[str]:
-    """Names of the figures that stay as the vehicle file has them."""
+    """Return the names of the figures that stay as in the vehicle file."""
     still = frozenset() if _drift_taught(done) else frozenset({_DRIFT})
     return still.union(done.unheard, (o.figure.name for o in done.lessons if not o.taken))
 
 
 def section(vehicle: Vehicle, kept: Collection[str] = (), waters: Position | None = None) -> str:
-    """The part of a vehicle file that calibration replaces; ``kept`` is marked as not taught.
-    ``waters``: where the current was found, for whoever reads the file."""
+    """Return the part of a vehicle file that calibration replaces. ``kept``: marked as not taught.
+    ``waters``: where the current was found, as a comment for the reader."""
     s, c = vehicle.sensors, vehicle.calibration
     old = {name: "   # as it was: not taught" if name in kept else "" for name in _NAMES}
     if waters is not None and "current" not in kept:
@@ -147,7 +148,7 @@ calibration:
 
 
 def _added(vehicle: Vehicle) -> str:
-    """Of sensors that were added, where there are any; each in the unit of its range."""
+    """Write the sigmas of added sensors, if there are any, each in the unit of its range."""
     said = []
     for kind, sigma in vehicle.added.items():
         unit = RANGES[f"added.{kind}"].unit
@@ -160,7 +161,8 @@ def _harmonics(deviation: Deviation) -> list[tuple[str, float]]:
 
 
 def _others(known: Calibration, old: Mapping[str, str]) -> str:
-    """Motion and water. What calibration leaves as it was is there, too: the section is whole."""
+    """Write motion and water, including what calibration left as it was: the section is
+    complete."""
     north, east = known.current
     sigma = (
         "" if known.current_sigma is None else f"  current_sigma: {known.current_sigma:.3f} m/s\n"
@@ -181,7 +183,7 @@ def _others(known: Calibration, old: Mapping[str, str]) -> str:
 
 
 def _steady(known: Calibration) -> str:
-    """How long the current is known to be how steady, where dives told it."""
+    """Write how slowly the current changes, and for how long, if dives taught it."""
     if not known.current_time_for:
         return ""
     return f"""  current_time: {known.current_time:.0f} s   # it changes so slowly

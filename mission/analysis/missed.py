@@ -1,7 +1,7 @@
-"""The proof of a calibration: how far the estimate is from the first fix after each dive.
+"""The check of a calibration: the distance between the estimate and the first fix after each dive.
 
-A dive is ``LONG`` s without a fix. What it missed, normalised by what the estimate said of itself,
-tells how far to trust the figures (``trust``).
+A dive is ``LONG`` s without a fix. Its error, normalised by the covariance of the estimate, shows
+how far to trust the figures (``trust``).
 """
 
 from __future__ import annotations
@@ -20,19 +20,20 @@ from protocol.messages import Fix, Telemetry
 
 LONG = 60.0  # s without a fix
 _NARROWS = 4  # dives; fewer may only widen the figures
-# The figures count as so many dives: a median of n has a relative variance of 1 / (n ln(2)^2), and
-# they are right, before any dive, within a factor of 1.5 or so (a variance of 0.66 of the square's
-# logarithm).
+# The prior trust in the figures, as a number of dives: a median of n has a relative variance of
+# 1 / (n ln(2)^2). Before any dive the figures are right within a factor of about 1.5 (a variance
+# of 0.66 of the square's logarithm).
 _FIGURED = 3.0
-_TAILS = 4.0  # degrees of freedom of Student's t: one wild dive changes little
-_EVEN = 1.376  # on the squares: so what is normal makes figures neither wider nor narrower
-_MEDIAN = 0.6931  # of chi-square with two degrees of freedom, over them
+_TAILS = 4.0  # degrees of freedom of Student's t: one outlier dive changes little
+_EVEN = 1.376  # factor on the squares: normal errors make figures neither wider nor narrower
+_MEDIAN = 0.6931  # median of chi-square with two degrees of freedom, divided by two
 
 
 @dataclass(frozen=True, slots=True)
 class Stretch:
-    """A dive from one fix to another: what was missed at its end, of what was swum (m); ``miss``:
-    the normalised square of that after calibration over its degrees of freedom."""
+    """A dive from one fix to the next: ``distance`` m swum, the position error before and after
+    calibration, m. ``miss``: the normalised error squared after calibration over its degrees of
+    freedom."""
 
     log: int
     begin: float
@@ -50,11 +51,11 @@ class _Dive:
     distance: float
     error: float
     miss: float
-    spread: float  # logarithm of the determinant of what was expected, m^4
+    spread: float  # logarithm of the determinant of the expected covariance, m^4
 
 
 def dives(log: Inputs) -> list[float]:
-    """How long each was, s."""
+    """Return the length of each dive, s."""
     fixes = [item.t for item in log if isinstance(item, Fix)]
     return [b - a for a, b in pairwise(fixes) if b - a >= LONG]
 
@@ -70,8 +71,8 @@ def compare(log_number: int, log: Inputs, before: Vehicle, after: Vehicle) -> li
 
 
 def trust(misses: Sequence[float]) -> float:
-    """What sigmas are to be multiplied by: the median of the misses against that of figures that
-    are right, so that one wild dive changes nothing."""
+    """Return the factor for the sigmas: the median of the misses against that of correct figures.
+    The median, so that one outlier dive changes nothing."""
     if not misses:
         return 1.0
     n, found = len(misses), median(misses) / _MEDIAN
@@ -79,14 +80,14 @@ def trust(misses: Sequence[float]) -> float:
 
 
 def share_of(stretches: Sequence[Stretch], *, proves: bool) -> float:
-    """``proves``: nothing that moves a position was learned from those dives. Else, or where they
-    are few, it never narrows."""
+    """``proves``: nothing that moves a position was learned from these dives. Else, or with few
+    dives, the figures never become narrower."""
     share = trust([s.miss for s in stretches])
     return share if proves and len(stretches) >= _NARROWS else max(share, 1.0)
 
 
 def widened(vehicle: Vehicle, share: float) -> Vehicle:
-    """All that moves a position ``share`` times as far off."""
+    """Multiply all sigmas that move a position by ``share``."""
     known = vehicle.calibration
     current = vehicle.current if known.current_sigma is None else known.current_sigma
     if share == 1.0:
@@ -108,20 +109,20 @@ def widened(vehicle: Vehicle, share: float) -> Vehicle:
 
 
 def likelihood(log: Inputs, vehicles: Sequence[Vehicle]) -> list[list[float]]:
-    """Of each vehicle file, the logarithm of the likelihood of where each dive ended."""
+    """Return, for each vehicle file, the log likelihood of where each dive ended."""
     if not dives(log):
         return [[] for _ in vehicles]
     return [[_likely(dive) for dive in _missed(log, vehicle)] for vehicle in vehicles]
 
 
 def _likely(dive: _Dive) -> float:
-    """By Student's t in two dimensions (Lange, Little, Taylor, J. Am. Stat. Assoc. 84, 1989)."""
+    """Use Student's t in two dimensions (Lange, Little, Taylor, J. Am. Stat. Assoc. 84, 1989)."""
     far = math.log1p(_EVEN * 2.0 * dive.miss / _TAILS)
     return -0.5 * dive.spread - 0.5 * (_TAILS + 2.0) * far
 
 
 def _missed(log: Inputs, vehicle: Vehicle) -> list[_Dive]:
-    """Compares the estimate with the first fix after each dive, before the filter takes that in."""
+    """Compare the estimate with the first fix after each dive, before the filter uses that fix."""
     nav, found = Navigation(vehicle), []
     last, swum, seen = -math.inf, 0.0, 0.0
     for item in log:
@@ -142,7 +143,7 @@ def _missed(log: Inputs, vehicle: Vehicle) -> list[_Dive]:
 
 
 def _off(e: Estimate, place: tuple[float, float], sigma: float) -> tuple[float, float, float]:
-    """Returns the distance, m, the normalised error squared, d^T (P + sigma^2 I)^-1 d / 2, and the
+    """Return the distance, m, the normalised error squared, d^T (P + sigma^2 I)^-1 d / 2, and the
     logarithm of the determinant of P + sigma^2 I."""
     dn, de = place[0] - e.north, place[1] - e.east
     a, b, d = e.covariance[0] + sigma**2, e.covariance[1], e.covariance[2] + sigma**2

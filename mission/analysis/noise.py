@@ -1,7 +1,7 @@
-"""Noise of the sensors, by what logs hold of them: white noise, of each report by itself.
+"""White noise of the sensors, of each report independently, estimated from logs.
 
-White noise of a sensor is what is left of its third differences: a ramp and a bend of it cancel
-(Brockwell and Davis, Time Series, 1991, ch. 1.4). A figure of which a log holds too little stays.
+White noise is what is left in third differences: constants, ramps and curves cancel (Brockwell and
+Davis, Time Series, 1991, ch. 1.4). A figure for which the logs hold too little is kept.
 """
 
 from __future__ import annotations
@@ -21,18 +21,19 @@ from protocol.added import GROUND, PLACE, RANGE, WATER
 from protocol.messages import Aid, Fix, Telemetry
 
 _Said = TypeVar("_Said")
-LEAST = {WATER: 2e-3, GROUND: 2e-3, PLACE: 0.05, RANGE: 0.05}  # SI: no surer
-_MEDIAN = 1.3863  # of chi-square with two degrees of freedom
-_NEXT = 1.5  # s between two fixes of which one is soon after the other
-_SUREST = 0.05  # m/s: what makers of small receivers promise; slower errors show in no difference
-ENOUGH = 20  # differences without which a noise figure stays as it was
+LEAST = {WATER: 2e-3, GROUND: 2e-3, PLACE: 0.05, RANGE: 0.05}  # SI: the least sigmas
+_MEDIAN = 1.3863  # median of chi-square with two degrees of freedom
+_NEXT = 1.5  # s between two successive fixes, at most
+_SUREST = 0.05  # m/s: promised by makers of small receivers; slow errors do not show in differences
+ENOUGH = 20  # differences; with fewer, a noise figure is kept
 
 
 def sensed(
     vehicle: Vehicle, logs: Sequence[Inputs], squares: Sequence[float]
 ) -> tuple[Vehicle, tuple[str, ...]]:
-    """And the sensors of which there is too little to tell. ``squares``: normalised innovations of
-    fixes one second after another (the filter adds little to them), times the fixes' variance."""
+    """Add the sensors' noise; also return the names of sensors with too little data. ``squares``:
+    normalised innovations of successive fixes (the filter adds little to them), times the fixes'
+    variance."""
     reports = [[i for i in log if isinstance(i, Telemetry)] for log in logs]
     depth = white_noise(reports, lambda t: t.depth)
     found = {
@@ -47,8 +48,8 @@ def sensed(
 
 
 def of_velocity(logs: Sequence[Inputs]) -> float | None:
-    """One sigma of a receiver's speed and course, m/s on each axis, of fixes that come a second
-    after each other; None where there are too few."""
+    """Estimate one sigma of a receiver's speed and course, m/s on each axis, from successive fixes;
+    None if there are too few."""
     found = []
     for log in logs:
         fixes = [i for i in log if isinstance(i, Fix) and i.speed is not None]
@@ -65,8 +66,8 @@ def _made_good(f: Fix, axis: Callable[[float], float]) -> float | None:
 
 
 def of_added(logs: Sequence[Sequence[Aid]], vehicle: Vehicle) -> dict[str, float]:
-    """One sigma of each value, by kind of the sensors that were added: of those of which there is
-    enough. Their offsets no log tells."""
+    """Estimate one sigma of each value of the added sensors, by kind, for kinds with enough data.
+    No log shows their offsets."""
     found: dict[str, list[float]] = {}
     for kind, which in dict.fromkeys((a.kind, _source(a)) for log in logs for a in log):
         said = [[a for a in log if (a.kind, _source(a)) == (kind, which)] for log in logs]
@@ -77,12 +78,12 @@ def of_added(logs: Sequence[Sequence[Aid]], vehicle: Vehicle) -> dict[str, float
 
 
 def _source(a: Aid) -> float:
-    """Of beacons, which: each is a series by itself."""
+    """Return which beacon: each is a series of its own."""
     return a.values[0] if a.kind == RANGE else 0.0
 
 
 def _metric(a: Aid, axis: int, vehicle: Vehicle) -> float | None:
-    """One of its values, SI; of a place m, of a range the way."""
+    """Return one value in SI units: metres for a place or a range."""
     if a.kind == RANGE:
         beacon = vehicle.beacons.get(f"{a.values[0]:g}")
         return None if axis or beacon is None else a.values[1] * beacon.sound
@@ -98,7 +99,8 @@ def white_noise(
     *,
     circular: bool = False,
 ) -> float | None:
-    """Sigma of white noise by the median of third differences: bends and repeats do not count."""
+    """Estimate the sigma of white noise by the median of third differences. Curves cancel; windows
+    with repeated values are left out. None if there are too few."""
     found: list[float] = []
     for log in logs:
         for window in zip(*(log[i:] for i in range(4)), strict=False):
@@ -110,7 +112,7 @@ def white_noise(
             found.append(abs(math.remainder(third, 2.0 * math.pi) if circular else third))
     if len(found) < ENOUGH:
         return None
-    return median(found) / 0.6745 / math.sqrt(20.0)  # of |normal|; 1 + 9 + 9 + 1
+    return median(found) / 0.6745 / math.sqrt(20.0)  # 0.6745: median of |normal|; 20: 1 + 9 + 9 + 1
 
 
 def _fix_noise(squares: Sequence[float]) -> float | None:

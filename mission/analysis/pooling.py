@@ -1,10 +1,9 @@
-"""What many logs say together: their mean, how far another day is from it, and who stands apart.
+"""Pooling of many logs: their mean, the variance between days, and outliers.
 
-Each log's estimate e has a variance v of its own; beyond that the days differ by t^2 (random
-effects: DerSimonian and Laird, Controlled Clinical Trials 7, 1986, 177-188). t^2 is such that
-the median of (e - m)^2 / (v + t^2) is that of chi-square with one degree of freedom, as an
-outlier moves no median. One that is ``_APART`` sigmas or more from the median is named, and
-not counted.
+Each log's estimate e has a variance v of its own; the days differ by a further t^2 (random effects:
+DerSimonian and Laird, Controlled Clinical Trials 7, 1986, 177-188). t^2 makes the median of (e -
+m)^2 / (v + t^2) equal to that of chi-square with one degree of freedom, because an outlier does not
+move a median. A log that is ``_APART`` sigmas or more from the median is named, and not counted.
 """
 
 from __future__ import annotations
@@ -14,22 +13,22 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from statistics import median
 
-_MEDIAN = 0.4549  # of chi-square, one degree of freedom
+_MEDIAN = 0.4549  # median of chi-square, one degree of freedom
 _APART = 4.0
-FEW = 1.3  # on the spread of a handful, itself uncertain (Student t against normal)
-_JUDGES = 4  # so many logs may say that one of them stands apart
+FEW = 1.3  # factor on the spread of a few logs, itself uncertain (Student t against normal)
+_JUDGES = 4  # logs needed to call one of them an outlier
 
 
 @dataclass(frozen=True, slots=True)
 class Pooled:
-    """``between``: variance of the days. ``apart``: indices of what stands apart."""
+    """``between``: variance between days. ``apart``: indices of outliers."""
 
     between: float
     apart: tuple[int, ...]
 
 
 def pool(estimates: Sequence[float], variances: Sequence[float]) -> Pooled:
-    """Of none or one nothing is known."""
+    """Pool estimates; from fewer than two nothing is known, and the variance is 0."""
     if len(estimates) < 2:
         return Pooled(0.0, ())
     apart = _outliers(estimates, variances)
@@ -49,9 +48,9 @@ def _outliers(estimates: Sequence[float], variances: Sequence[float]) -> tuple[i
 
 
 def _between(rows: Sequence[tuple[float, float]]) -> float:
-    """Variance between the days, by bisection: the median falls as it grows."""
+    """Find the variance between days by bisection: the median falls as the variance grows."""
     middle = median(e for e, _ in rows)
-    share = len(rows) / (len(rows) - 1) if len(rows) > 1 else 1.0  # the middle is theirs
+    share = len(rows) / (len(rows) - 1) if len(rows) > 1 else 1.0  # the median is of the same logs
     low, high = 0.0, 10.0 * max((e - middle) ** 2 for e, _ in rows)
     for _ in range(60):
         between = 0.5 * (low + high)

@@ -1,11 +1,11 @@
-"""Recordings of real vehicles as CSV, and the bytes that this vehicle would have sent instead.
+"""Recordings of real vehicles as CSV, turned into the bytes that this vehicle would have sent.
 
     runs      t, lat, lon, depth, roll_deg, pitch_deg, heading_deg, ...   truth in every row
     gliders   unix_s, depth_m, heading_mag_deg, pitch_deg, roll_deg, ..., gps_lat, gps_lon
               truth at the surface only, where there was a fix
 
-A row becomes an @SD frame every 2 s (or as often as there are rows), a fix becomes GGA + RMC
-without speed and course; both go through the decoders that the vehicle uses.
+Rows become @SD frames every 2 s (or at the rate of the rows, if that is lower). A fix becomes GGA +
+RMC without speed and course. Both pass through the decoders that the vehicle uses.
 """
 
 from __future__ import annotations
@@ -32,28 +32,28 @@ Array = NDArray[np.float64]
 _RUN = ("t", "lat", "lon", "depth", "roll_deg", "pitch_deg", "heading_deg")
 _GLIDER = ("unix_s", "depth_m", "heading_mag_deg", "pitch_deg", "roll_deg", "gps_lat", "gps_lon")
 _EXTRA = ("altitude_m", "veh_temp_c", "speed_est_mps")
-_EVERY = 2.0  # s, of @SD
-_SELDOM = 10.0  # s: a heading is not known for longer than that, however seldom it is reported
-_SURFACE = 0.5  # m: the antenna is out of the water
-SHORTEST, NEAREST = 30.0, 20.0  # s and m of a run that can be scored
-_FASTEST, _BESIDE = 10.0, 20.0  # m/s, m: what is farther than that from a track is not of it
+_EVERY = 2.0  # s between two @SD
+_SELDOM = 10.0  # s: a heading is valid no longer than that, however rarely it is reported
+_SURFACE = 0.5  # m: shallower, the antenna is out of the water
+SHORTEST, NEAREST = 30.0, 20.0  # s and m: the least of a run that can be scored
+_FASTEST, _BESIDE = 10.0, 20.0  # m/s, m: a place farther from a track is not part of it
 UNUSABLE = "without numbers, out of range, of order or of the track"
 ADRIFT = "at the surface or not under way: what drove it there is not known, cut off"
-_SLOW, _WINDOW = 0.4, 10.0  # of the median speed; s to each side over which it is taken
-_TRACKS = 8  # that are gone on with at once
-_UNDATED = datetime(2024, 1, 1, tzinfo=UTC)  # runs count from 0
-CRUISE_PWM, NEUTRAL_PWM = 1500 + round(500 * 8 / 12), 1500  # gear 8, and none
+_SLOW, _WINDOW = 0.4, 10.0  # of the median speed; s to each side, for the mean speed
+_TRACKS = 8  # the newest tracks, to which a place may be added
+_UNDATED = datetime(2024, 1, 1, tzinfo=UTC)  # runs have no date, their times begin at 0
+CRUISE_PWM, NEUTRAL_PWM = 1500 + round(500 * 8 / 12), 1500  # gear 8; thrusters off
 
 
 class RecordingError(ValueError):
-    """A file that is not a recording; says what is missing."""
+    """The file is not a recording; the message says what is missing."""
 
 
 @dataclass(frozen=True, slots=True)
 class Recording:
-    """Columns over the rows, angles in rad, NaN where nothing was recorded.
+    """A recording as columns, one value per row; angles in rad, NaN where nothing was recorded.
 
-    ``north`` and ``east`` are of the first fix; for a glider they are there only with a fix.
+    ``north`` and ``east`` are m from the first fix; a glider has them only in rows with a fix.
     """
 
     name: str
@@ -69,13 +69,13 @@ class Recording:
     roll: Array
     altitude: Array
     temperature: Array
-    own_speed: Array  # what the vehicle itself believed, m/s
+    own_speed: Array  # the vehicle's own estimate, m/s
     places: frozenset[tuple[int, int]] = frozenset()  # 1e-7 deg
     skipped: int = 0  # rows that could not be used
-    adrift: int = 0  # rows that were cut off: at the surface, or not under way
+    adrift: int = 0  # rows cut off: at the surface, or not under way
 
     def rows(self, begin: int, end: int) -> Recording:
-        """These alone; times and places are counted from where they were."""
+        """Return these rows only; times and positions keep their origins."""
         columns = {f.name: getattr(self, f.name) for f in fields(self)}
         arrays: dict[str, Any] = {
             n: v[begin:end] for n, v in columns.items() if isinstance(v, np.ndarray)
@@ -83,13 +83,14 @@ class Recording:
         return replace(self, **arrays)
 
     def overlaps(self, other: Recording) -> bool:
-        """Both were cut from one: a tenth of the places of the shorter are in the other as well."""
+        """Whether both were cut from one recording: more than a tenth of the places of the shorter
+        one are also in the other."""
         fewer = min(len(self.places), len(other.places))
         return 10 * len(self.places & other.places) > fewer
 
     @property
     def period(self) -> float:
-        """s between two reports, as a rule."""
+        """The usual time between two reports, s."""
         at = self.t[np.isfinite(self.heading)]
         if len(at) < 2:
             return _EVERY
@@ -103,7 +104,8 @@ class Recording:
 
 
 def read(file: Path) -> Recording:
-    """Raises RecordingError for another format, or a file with nothing to score."""
+    """Read a CSV file. Raises RecordingError for another format, or a file with nothing to
+    score."""
     try:
         return _read(file)
     except (UnicodeDecodeError, csv.Error) as error:
@@ -139,11 +141,12 @@ def _number(text: str | None) -> float:
 
 
 def _usable(glider: bool, table: dict[str, Array]) -> tuple[NDArray[np.bool_], int]:
-    """Which rows; and how many not, or not with their place (taken out of ``table``)."""
+    """Return which rows can be used, and how many cannot, or not with their position. A glider's
+    bad positions are removed from ``table``."""
     time, lat, lon = (_GLIDER[0], *_GLIDER[-2:]) if glider else _RUN[:3]
     whole = [time] if glider else list(_RUN)
-    table[lon] = np.where(table[lon] > 180.0, table[lon] - 360.0, table[lon])  # 0 to 360
-    nowhere = (table[lat] == 0.0) & (table[lon] == 0.0)  # as some say where there is no fix
+    table[lon] = np.where(table[lon] > 180.0, table[lon] - 360.0, table[lon])  # from 0 to 360
+    nowhere = (table[lat] == 0.0) & (table[lon] == 0.0)  # some loggers write 0, 0 without a fix
     table[lat] = np.where(nowhere, np.nan, table[lat])
     good = np.all([np.isfinite(table[n]) for n in whole], axis=0)
     good &= ~((np.abs(table[lat]) > 90.0) | (np.abs(table[lon]) > 180.0))
@@ -152,7 +155,7 @@ def _usable(glider: bool, table: dict[str, Array]) -> tuple[NDArray[np.bool_], i
     wild = found[~_one_track(table[time][found], table[lat][found], table[lon][found])]
     skipped = int(np.sum(~good)) + len(wild)
     if glider:
-        table[lat][wild] = np.nan  # a fix less, but a row
+        table[lat][wild] = np.nan  # the fix is dropped, the row stays
     else:
         good[wild] = False
     return good, skipped
@@ -199,8 +202,8 @@ def _recording(where: str, name: str, glider: bool, raw: dict[str, Array]) -> Re
 
 
 def _cut(table: dict[str, Array]) -> int:
-    """Leaves of a run the longest piece on which it swims: not where it has come up from a dive,
-    nor where it drifts. How many rows that costs."""
+    """Keep the longest part of a run in which the vehicle swims: not surfaced between dives, not
+    adrift. Return how many rows that removes."""
     t, lat, lon, depth = (table[name] for name in _RUN[:4])
     if len(t) < 2:
         return 0
@@ -223,7 +226,7 @@ def _fine(degrees: Array) -> list[int]:
 
 
 def _one_track(t: Array, lat: Array, lon: Array) -> NDArray[np.bool_]:
-    """Which places (deg) belong to the longest track that one vehicle can have made."""
+    """Return which places (deg) belong to the longest track that one vehicle can have made."""
     tracks: list[list[int]] = []
     places = list(zip(t.tolist(), lat.tolist(), lon.tolist(), strict=True))
     for i, (now, here, there) in enumerate(places):
@@ -270,14 +273,14 @@ def _long_enough(where: str, t: Array, path: float) -> None:
 
 
 def surfaced(recording: Recording) -> list[int]:
-    """Rows with a fix while the antenna is out of the water (depth below 0.5 m)."""
+    """Return the rows with a fix while the antenna is out of the water (depth below 0.5 m)."""
     known = held(recording.depth)
     at = np.flatnonzero(np.isfinite(recording.north) & (known < _SURFACE))
     return [int(i) for i in at]
 
 
 def held(values: Array) -> Array:
-    """Gaps filled with the last value before them."""
+    """Fill gaps with the last value before them."""
     last = np.maximum.accumulate(np.where(np.isfinite(values), np.arange(len(values)), 0))
     return values[last]
 
@@ -285,7 +288,7 @@ def held(values: Array) -> Array:
 def wire(
     recording: Recording, fixes: Iterable[int], heading: Array, pwm: int
 ) -> list[Telemetry | Fix]:
-    """What the decoders make of it: @SD every 2 s, and GGA + RMC for the rows ``fixes``."""
+    """Return the decoded messages: @SD every 2 s, and GGA + RMC for the rows ``fixes``."""
     codec, gps, frame = AuvCodec(), NmeaDecoder(), LocalFrame(recording.origin)
     out: list[Telemetry | Fix] = []
     wanted, due = set(fixes), float(recording.t[0])

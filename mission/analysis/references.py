@@ -1,16 +1,16 @@
-"""The reckonings to be beaten, recomputed on the same rows. Errors in % of the path.
+"""Reference methods to compare with, computed on the same rows. Errors in % of the path.
 
     runs      start    constant speed (mean over ground of the other runs), the heading as it is
               150 s    speed and current by regularised least squares on the first 150 s
     gliders   naive    the vehicle's own speed along its compass
               true     the same with the declination
-              causal   the same with the current that the dive before was found to have
-              glide    the same with the speed by depth rate and pitch, as the estimate has it
+              causal   the same with the current found in the dive before
+              glide    the same with the speed by depth rate and pitch, as in the estimate
 
-Of runs each is told a second time with equal knowledge: the speed through the water, the current
-and the compass's bias that `calibrate` found by the other runs, as the estimate is given them.
-The least squares weigh a position with 5 m, and pull speed and current to what is given with
-0.2 m/s.
+For runs each method is computed a second time with equal knowledge: the speed through the water,
+the current and the compass bias that `calibrate` found from the other runs, as the estimate has
+them. The least squares weigh a position with 5 m, and pull speed and current towards the given ones
+with 0.2 m/s.
 """
 
 from __future__ import annotations
@@ -27,8 +27,8 @@ from mission.analysis.recordings import NEAREST, Recording, held
 Array = NDArray[np.float64]
 
 _POSITION, _VELOCITY = 5.0, 0.2  # m, m/s
-_ATTACK, _LEAST = np.radians(3.0), np.radians(8.0)  # of a glider's path, rad
-_SLOWEST, _FASTEST = 0.03, 0.6  # m/s of its depth rate; ahead
+_ATTACK, _LEAST = np.radians(3.0), np.radians(8.0)  # rad: angle of attack; least pitch of a glide
+_SLOWEST, _FASTEST = 0.03, 0.6  # m/s: least depth rate; greatest speed ahead
 
 
 def ground_speed(run: Recording) -> float:
@@ -37,7 +37,7 @@ def ground_speed(run: Recording) -> float:
 
 @dataclass(frozen=True, slots=True)
 class Known:
-    """What is given before the run: m/s, and the compass's bias, rad."""
+    """What is known before the run: speed and current, m/s, and the compass bias, rad."""
 
     speed: float
     current: tuple[float, float] = (0.0, 0.0)
@@ -45,14 +45,14 @@ class Known:
 
 
 def constant_speed(run: Recording, heading: Array, given: Known) -> float:
-    """End error."""
+    """Return the end error in % of the path."""
     moved = given.speed * _ahead(run.t, heading - given.bias)[-1]
     error = moved + run.t[-1] * np.array(given.current) - _place(run)[-1]
     return float(100.0 * np.hypot(*error) / run.path[-1])
 
 
 def least_squares(run: Recording, heading: Array, given: Known, until: float) -> float:
-    """End error in % of the path since the last fix at ``until``."""
+    """Return the end error in % of the path since the last fix at ``until``."""
     heading = heading - given.bias
     ahead, place, known = _ahead(run.t, heading), _place(run), run.t <= until
     n, last = int(known.sum()), int(known.sum()) - 1
@@ -70,7 +70,7 @@ def least_squares(run: Recording, heading: Array, given: Known, until: float) ->
 
 
 def _ahead(t: Array, heading: Array) -> Array:
-    """Where a speed of 1 m/s along the heading would have led, n x 2."""
+    """Return where a speed of 1 m/s along the heading would have led, n x 2."""
     dt = np.diff(t)
     steps = np.column_stack((np.cos(heading[:-1]) * dt, np.sin(heading[:-1]) * dt))
     return np.vstack((np.zeros(2), np.cumsum(steps, axis=0)))
@@ -82,8 +82,9 @@ def _place(run: Recording) -> Array:
 
 @dataclass(frozen=True, slots=True)
 class Dive:
-    """Between the rows of two fixes. ``path`` is what the vehicle believed to have swum, m; where
-    its own speed was not recorded, the way from fix to fix (``reckoned`` is False)."""
+    """A dive between the rows of two fixes. ``path``: distance that the vehicle believed to have
+    swum, m; the distance between the fixes if its own speed was not recorded (``reckoned`` is
+    False)."""
 
     begin: int
     end: int
@@ -92,7 +93,8 @@ class Dive:
 
 
 def dives(glider: Recording, fixes: Sequence[int], deep: float, long: float) -> list[Dive]:
-    """Successive fixes ``long`` s or more apart, between which it was deeper than ``deep``."""
+    """Find successive fixes ``long`` s or more apart with a depth of ``deep`` or more between
+    them."""
     speed = held(glider.own_speed)
     found = []
     for a, b in itertools.pairwise(fixes):
@@ -116,8 +118,8 @@ def glider_errors(
     causal: bool,
     speed: Array | None = None,
 ) -> list[float]:
-    """One figure a dive that was reckoned; with ``causal``, the current of the dive before is taken
-    for this one. ``speed``: ahead over ground; by default the vehicle's own."""
+    """Return the error of each reckoned dive. ``causal``: use the current found in the dive before.
+    ``speed``: horizontal, ahead, m/s; by default the vehicle's own."""
     heading = held(glider.heading) + declination
     speed = held(glider.own_speed) if speed is None else speed
     errors, current = [], np.zeros(2)
@@ -135,7 +137,8 @@ def glider_errors(
 
 
 def glide_speed(glider: Recording) -> Array:
-    """Horizontal, m/s, by depth rate over the tangent of the path (as mission.navigation.model)."""
+    """Return the horizontal speed, m/s: depth rate over the tangent of the path angle (as in
+    mission.navigation.model)."""
     known = np.isfinite(glider.depth)
     rate = np.gradient(np.interp(glider.t, glider.t[known], glider.depth[known]), glider.t)
     pitch = np.abs(held(glider.pitch))

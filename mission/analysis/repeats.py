@@ -1,4 +1,4 @@
-"""What came over and over, told once: frames that are held, ascents that go on, tries in vain."""
+"""Repeated events, reported once: held frames, continued ascents, requests without an answer."""
 
 from __future__ import annotations
 
@@ -10,20 +10,20 @@ from dataclasses import dataclass, field, replace
 from mission.model.shown import clock
 from mission.onboard.stream.events import HELD, answers_in, frame_text
 
-_LONG, _MOVED_M = 4, 0.5  # times that an ascent says something again; m
+_LONG, _MOVED_M = 4, 0.5  # times that an ascent repeats something; m that the depth must change
 _TRY = re.compile(r" \(try (\d+) of (\d+)\)$")
-_MOST = 5  # frames whose tries are told
+_MOST = 5  # frames whose tries are listed
 _ADDRESS = 4  # bytes: a CAN identifier, or the head of a board's frame with its command
 _MEASURED = re.compile(r"(?<=the depth is )-?[\d.]+ m, no less")
-_ASCENT_S = 60.0  # between two of the same words of an ascent that goes on
+_ASCENT_S = 60.0  # s between two equal commands of an ascent that continues
 _WORD = re.compile(rb"@(?:ZA([A-Z])|([A-Z]{2}))[^@$]*\$")  # @ZAX0$ is answered as ZX
-_BEGUN = re.compile(r"^entry of (\S+)(?=: after )")  # of an ascent that goes on in an emergency
-_ROUND_S = 1.0  # a frame that comes again so soon is held, whatever else is said between
+_BEGUN = re.compile(r"^entry of (\S+)(?=: after )")  # of an ascent that continues in an emergency
+_ROUND_S = 1.0  # s: a frame repeated within this time is held, whatever is sent in between
 
 
 @dataclass(slots=True)
 class _Run:
-    """``count`` of the same, from ``begin`` to ``end``, s; ``forms``: so many differed."""
+    """``count`` equal events from ``begin`` to ``end``, s; ``forms``: their different texts."""
 
     what: str
     why: str
@@ -52,7 +52,7 @@ class _Run:
 
 
 class Rows:
-    """Of a table: what, why and how often, where the same comes again within ``within`` s."""
+    """Rows of a table: what, why, how often; the same within ``within`` s is one row."""
 
     def __init__(self, within: float) -> None:
         self._within = within
@@ -60,8 +60,8 @@ class Rows:
         self._last: dict[tuple[str, str], _Run] = {}
 
     def add(self, t: float, what: str, why: str, same: str = "") -> None:
-        """``same``: what it has in common with others that are told in its row. The measured depth
-        in a reason makes none of its own."""
+        """Add an event. ``same``: a key that it shares with other events of its row. A measured
+        depth in a reason does not make a new row."""
         key, within = (same or what, _MEASURED.sub("", why)), self._within
         if key[1] != why:
             within = max(within, _ASCENT_S)
@@ -74,12 +74,12 @@ class Rows:
         run.forms.add(what)
 
     def told(self) -> list[tuple[str, ...]]:
-        """When it began, what and why; in the order of their beginnings."""
+        """Return the rows (time of begin, what, why), sorted by begin."""
         return [run.row for run in self._runs]
 
 
 class Refusals:
-    """Answers that say no: once where the same comes again within ``within`` s."""
+    """Answers N; the same within ``within`` s is counted once."""
 
     def __init__(self, within: float) -> None:
         self._within = within
@@ -95,7 +95,7 @@ class Refusals:
             self._runs.append((run, to))
 
     def of(self, to: str) -> Iterator[str]:
-        """What that one refused, frame by frame."""
+        """Describe what ``to`` refused, frame by frame."""
         refused: dict[str, _Run] = {}
         for run, who in self._runs:
             if who == to and run.what in refused:
@@ -107,22 +107,22 @@ class Refusals:
             yield f"The {to} refused {run.what} {run.when}: it answered N."
 
     def rows(self) -> list[tuple[str, ...]]:
-        """When it began, answer, why, to whom; in the order of their beginnings."""
+        """Return the rows (time of begin, answer, why, to whom), sorted by begin."""
         return [(*run.row, to) for run, to in self._runs]
 
 
 class Commands:
-    """The frames to the vehicle. A board's round has several, and what steers changes in each
-    round: the frames of one address and one reason are told in one row."""
+    """The frames to the vehicle. A board gets several frames in each round, and steering values
+    change in each round: the frames of one address and one reason share one row."""
 
     def __init__(self) -> None:
         self._rows = Rows(_ROUND_S)
         self._vain: dict[str, _Run] = {}
-        self._silent: dict[str, int] = {}  # how often the last try had no answer either
-        self._waiting = ""  # a frame whose last try left
+        self._silent: dict[str, int] = {}  # how often even the last try had no answer
+        self._waiting = ""  # a frame whose last try was sent
 
     def heard(self, data: bytes) -> None:
-        """Of the vehicle."""
+        """Take bytes from the vehicle."""
         if b"@ACK_" in data:
             self._waiting = ""
 
@@ -141,17 +141,17 @@ class Commands:
         self._waiting = frame
 
     def _give_up(self) -> None:
-        """Nothing was answered, and something else leaves, or the recording ends."""
+        """Count a request as unanswered when another frame is sent or the recording ends."""
         if self._waiting:
             self._silent[self._waiting] = self._silent.get(self._waiting, 0) + 1
         self._waiting = ""
 
     def rows(self) -> list[tuple[str, ...]]:
-        """When, the first frame and reason; what was said over and over once."""
+        """Return the rows: time, first frame and reason; repeated ones once."""
         return self._rows.told()
 
     def in_vain(self) -> Iterator[str]:
-        """What the vehicle did not answer at once, the most frequent first."""
+        """Describe what the vehicle did not answer at once, the most frequent first."""
         self._give_up()
         some = sorted(self._vain.values(), key=lambda run: -run.count)
         for run in some[:_MOST]:
@@ -160,7 +160,8 @@ class Commands:
             yield f"So did {len(some) - _MOST} other frames."
 
     def _answered(self, run: _Run) -> str:
-        """Of the last tries; what a board without ``@ACK_`` answered is not told apart."""
+        """Describe the answers to the last tries; of a board without ``@ACK_`` they are not
+        known."""
         silent = self._silent.get(run.what, 0)
         if not run.what.startswith("@"):
             return "no answer to the others"
@@ -172,15 +173,15 @@ class Commands:
 
 
 class Words:
-    """What operators said that is answered, and how it was: by whom, word by word."""
+    """Commands of operators that were answered, and how, by operator and command."""
 
     def __init__(self) -> None:
         self._said_to: dict[tuple[str, str, str], _Run] = {}
-        self._first: dict[tuple[str, str, str], float | None] = {}  # when that was said first
-        self._waiting: dict[tuple[str, str], float] = {}  # words without an answer, since when
+        self._first: dict[tuple[str, str, str], float | None] = {}  # when it was first sent
+        self._waiting: dict[tuple[str, str], float] = {}  # unanswered commands, since when
 
     def said(self, t: float, who: str, data: bytes) -> None:
-        """What came from an operator. A word that is cut in two has no time."""
+        """Take bytes from an operator. A command that is split over two receptions gets no time."""
         for order, word in _WORD.findall(data):
             self._waiting.setdefault((who, f"Z{order.decode()}" if order else word.decode()), t)
 
@@ -195,7 +196,8 @@ class Words:
                 self._said_to[key], self._first[key] = _Run(word, answer, t, t), said
 
     def rows(self) -> list[tuple[str, ...]]:
-        """Who, word, answer, how often; when it was said first, answered first, answered last."""
+        """Return rows: operator, command, answer, count; first sent, first answered, last
+        answered."""
         return [self._row(key, run) for key, run in self._said_to.items()]
 
     def _row(self, key: tuple[str, str, str], run: _Run) -> tuple[str, ...]:
@@ -206,24 +208,24 @@ class Words:
 
 
 class Again:
-    """What an ascent, or a limit that acts by words alone, says while the state stays."""
+    """What an ascent, or a limit that acts by commands only, repeats while the state stays."""
 
     def __init__(self) -> None:
         self._run, self._said = _Run("", "", 0.0, 0.0), dict[str, None]()
-        self._place: int | None = None  # of its sentence
+        self._place: int | None = None  # index of its sentence
         self._shallow, self._deep = math.inf, -math.inf  # m, by the reports since it began
 
     def end(self) -> None:
-        """Another state is entered."""
+        """Note that another state was entered."""
         self._place = None
 
     def report(self, depth: float | None) -> None:
-        """Of the vehicle, m."""
+        """Take a depth report of the vehicle, m."""
         if depth is not None:
             self._shallow, self._deep = min(self._shallow, depth), max(self._deep, depth)
 
     def add(self, t: float, what: str, why: str, says: list[str]) -> None:
-        """Adds a sentence to ``says``, or tells more in its own."""
+        """Add a sentence to ``says``, or extend the current one."""
         why = _BEGUN.sub(r"the ascent that \1 began", why)
         root = why.partition(": after ")[0]
         if self._place is not None and self._run.why == root:
@@ -236,7 +238,7 @@ class Again:
         says[self._place] = self._told(why)
 
     def _told(self, why: str) -> str:
-        """``why``: the reason of the one that came last."""
+        """``why``: the reason of the last event."""
         run, said = self._run, ", ".join(self._said)
         if run.count == 1:
             return f"{clock(run.begin)}: {why}; said again: {said}."
@@ -245,7 +247,7 @@ class Again:
 
     @property
     def _unmoved(self) -> str:
-        """Of a depth that does not follow for long."""
+        """A remark if the depth stays the same for long."""
         spread = self._deep - self._shallow
         if self._run.count < _LONG or not 0.0 <= spread < _MOVED_M:
             return ""

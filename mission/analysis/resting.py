@@ -1,8 +1,8 @@
-"""What a vehicle at the surface or at rest did though no decision says it: no fix came, it sank.
+"""Events at the surface or at rest that no decision records: no fix came, or the vehicle sank.
 
     reports, fixes and states --Unfixed, Sunk--> sentences
 
-Put together by unsaid, which stands beside them.
+The module unsaid combines these with its own.
 """
 
 from __future__ import annotations
@@ -12,20 +12,20 @@ from collections.abc import Iterator
 from mission.model.regions import EMERGENCY, IDLE
 from mission.model.shown import clock, duration
 
-WAITED_S = 30.0  # at the surface without a fix: then it is told
-GAP_S = 10.0  # the same, where fixes came steadily before
-_STEADY_S, _STEADY = 5.0, 5  # s between two fixes, and so many in a row
+WAITED_S = 30.0  # at the surface without a fix: a longer time is reported
+GAP_S = 10.0  # the same if fixes came steadily before
+_STEADY_S, _STEADY = 5.0, 5  # s between two fixes, and so many in a row: steady
 SILENT_S = 5.0  # between two reports
-_TOP_M = 1.0  # a depth at which a receiver hears
+_TOP_M = 1.0  # a receiver works down to this depth
 _SANK_M = 2.0
 _AT_REST = (f"{IDLE}/", f"{EMERGENCY}/stopped", f"{EMERGENCY}/surfaced")
 
 
 class Unfixed:
-    """At the surface, by reports that can be believed, and no fix."""
+    """Times at the surface, by believed reports, without a fix."""
 
     def __init__(self) -> None:
-        self._since: float | None = None  # at the surface, or the last fix there
+        self._since: float | None = None  # since when at the surface, or the last fix there
         self._reported = 0.0
         self._steady = 0  # fixes in a row
 
@@ -62,8 +62,8 @@ class Unfixed:
 
 
 class Sunk:
-    """At rest, deeper by its reports when the recording ends than when it came to rest, whether
-    they could be believed or not: an offset is in both."""
+    """A vehicle that is deeper at the end of the recording than when it came to rest, by its
+    reports, believed or not: an offset is in both depths."""
 
     def __init__(self) -> None:
         self._state, self._since = "", 0.0

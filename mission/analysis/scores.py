@@ -1,6 +1,6 @@
-"""What scoring found, as a table: each run, and over all of them medians, intervals, coverage.
+"""The results of scoring as a table: each run, then medians, intervals and coverage over all runs.
 
-What does not live here: how it is found (scoring).
+What does not live here: how they are computed (scoring).
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ _NORMAL_95 = 1.95996
 
 @dataclass(frozen=True, slots=True)
 class Score:
-    """One recording under one scoring; percentages as the module says."""
+    """The result of one scoring of one recording; percentages as in the module scoring."""
 
     file: str
     scoring: str
@@ -30,11 +30,11 @@ class Score:
     reference_pct: float | None
     references: dict[str, float]
     equal_pct: float | None = None  # of the reference with equal knowledge
-    ends: int = 1  # of which ``nees`` is the mean
+    ends: int = 1  # number of dive ends; ``nees`` is their mean
 
 
 def as_object(scores: Sequence[Score]) -> dict[str, object]:
-    """What the command prints: every run, and the medians and pooled coverage over them."""
+    """Return what the command prints: every run, and the medians and the pooled coverage of all."""
     samples = sum(s.samples for s in scores)
     summary = []
     for name in dict.fromkeys(s.scoring for s in scores):
@@ -67,8 +67,8 @@ def as_object(scores: Sequence[Score]) -> dict[str, object]:
 
 
 def interval(values: Sequence[float]) -> tuple[float, float] | None:
-    """95 % of the medians of samples drawn anew from ``values`` (bootstrap: Efron, Ann. Statist. 7,
-    1979, 1-26; always the same draws). None for fewer than three: it would say nothing."""
+    """Return the 95 % interval of the median by bootstrap (Efron, Ann. Statist. 7, 1979, 1-26),
+    always with the same draws. None for fewer than three values, where it would mean nothing."""
     if len(values) < 3:
         return None
     rng = np.random.default_rng(0)
@@ -78,8 +78,9 @@ def interval(values: Sequence[float]) -> tuple[float, float] | None:
 
 
 def honest(ends: int) -> tuple[float, float]:
-    """95 % of the means of so many NEES, each over its two degrees of freedom, where the ellipses
-    are right: chi-square (Wilson, Hilferty, Proc. Natl. Acad. Sci. 17, 1931, 684-688)."""
+    """Return the 95 % interval of the mean of ``ends`` NEES, each over its two degrees of freedom,
+    if the ellipses are right: chi-square (Wilson, Hilferty, Proc. Natl. Acad. Sci. 17, 1931,
+    684-688)."""
     ninth = 1.0 / (9.0 * ends)  # 2 / (9 k), of k = 2 ends degrees of freedom
     low, high = ((1.0 - ninth + sign * _NORMAL_95 * math.sqrt(ninth)) ** 3 for sign in (-1, 1))
     return low, high
@@ -90,7 +91,7 @@ def _median(values: Sequence[float]) -> float:
 
 
 def summed(found: dict[str, object]) -> list[str]:
-    """Lines of ``as_object``: a scoring each."""
+    """Return a line for each scoring of ``as_object``."""
     rows = found["summary"]
     assert isinstance(rows, list)
     return [

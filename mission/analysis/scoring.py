@@ -1,13 +1,13 @@
-"""How good, and how honest, the estimate is on recordings of real vehicles.
+"""The accuracy and consistency of the estimate on recordings of real vehicles.
 
     runs      start   a fix in the first row, none after
               150s    fixes during the first 150 s, none after
               each with the heading as recorded, and +noise: 3 deg bias, 2 deg noise, seed 0
     gliders   dives   the estimate when the first fix after a dive comes, before it is used
 
-Errors are in % of the true path since the last fix (of a glider, whose path under water nobody
-knows: of the path that it believed). Coverage is the share of samples whose 95 % ellipse holds
-the truth, ellipse the mean radius of that ellipse in % of the path at the end.
+Errors are in % of the true path since the last fix. The path of a glider under water is not known:
+its own estimate of the path is used. Coverage is the share of samples whose 95 % ellipse contains
+the truth. Ellipse is the mean radius of that ellipse in % of the path at the end.
 """
 
 from __future__ import annotations
@@ -49,11 +49,11 @@ Array = NDArray[np.float64]
 
 CHI2_95 = 5.991  # 2 degrees of freedom
 _LEARNING = 150.0  # s of fixes
-_DEEP, _LONG = 5.0, 1000.0  # m and s of a dive
-_HALVED = 8  # dives: fewer teach too little in halves
+_DEEP, _LONG = 5.0, 1000.0  # m and s: the least of a dive
+_HALVED = 8  # dives: with fewer, one half teaches too little
 _CRUISE = 8.0  # gear of the runs
-_RUN_HEADING = 0.0  # the runs' heading is true: their declination
-# of a run of which nothing else was recorded
+_RUN_HEADING = 0.0  # declination of runs: their heading is true
+# for a run without any other recording
 _UNKNOWN_SPEED = Curve((0.0, 8.0, 12.0), (0.0, 1.5, 1.5))
 _UNKNOWN = Calibration(
     speed_scale_sigma=0.4, speed_noise=0.3, speed_time=200.0, sway_noise=0.05, current_sigma=0.2
@@ -69,7 +69,7 @@ class _Sample:
 
 
 def _still(**known: float | tuple[float, float]) -> Callable[[Vehicle], Vehicle]:
-    """A vehicle that believes these figures of its calibration."""
+    """Return a function that sets these figures of a vehicle's calibration."""
     return lambda v: replace(v, calibration=replace(v.calibration, **known))  # type: ignore[arg-type]
 
 
@@ -96,7 +96,8 @@ WITHOUT: Mapping[str, Callable[[Vehicle], Vehicle]] = MappingProxyType(
 def score_folder(
     folder: Path, vehicle: Vehicle, without: Sequence[str] = ()
 ) -> tuple[list[Score], list[str]]:
-    """Every CSV of the two formats below ``folder``; and what of it is left out, and why."""
+    """Score every CSV of the two formats below ``folder``; also return what was left out, and
+    why."""
     recordings: list[Recording] = []
     refused: list[str] = []
     files = (f for f in sorted(folder.rglob("*")) if f.suffix.lower() == ".csv" and f.is_file())
@@ -123,7 +124,7 @@ def score_folder(
 def score(
     recordings: Sequence[Recording], vehicle: Vehicle, without: Sequence[str] = ()
 ) -> list[Score]:
-    """``without`` names rows of ``WITHOUT``."""
+    """Score recordings. ``without`` names rows of ``WITHOUT``."""
     runs = [r for r in recordings if not r.glider]
     scores: list[Score] = []
     for recording in recordings:
@@ -169,7 +170,8 @@ def _run(
 
 
 def _given(others: Sequence[Recording], known: Vehicle) -> list[references.Known]:
-    """What the references are given: a speed over ground alone, or all that `calibrate` found."""
+    """Return what the references know: the speed over ground only, then all that `calibrate`
+    found."""
     if not others:
         return []
     ground = references.Known(float(np.mean([references.ground_speed(o) for o in others])))
@@ -179,7 +181,7 @@ def _given(others: Sequence[Recording], known: Vehicle) -> list[references.Known
 
 
 def noisy(heading: Array) -> Array:
-    """As a small compass would have it: 3 deg bias, 2 deg noise, seed 0."""
+    """Add the errors of a small compass: 3 deg bias, 2 deg noise, seed 0."""
     rng = random.Random(0)
     errors = np.radians([3.0 + rng.gauss(0.0, 2.0) for _ in heading])
     noised: Array = heading + errors
@@ -192,8 +194,8 @@ def run_vehicle(
     compass: Callable[[Array], Array],
     period: float,
 ) -> Vehicle:
-    """What `calibrate` makes of the vehicle file by the other runs; where there is none, figures
-    that are wide. ``period`` is that of the reports."""
+    """Return the vehicle file as `calibrate` changes it from the other runs; with wide figures if
+    that is not possible. ``period``: time between two reports, s."""
     known = replace(
         vehicle,
         declination=_RUN_HEADING,
@@ -227,7 +229,7 @@ def _reckon_run(run: Recording, heading: Array, until: float, known: Vehicle) ->
 
 
 def glider_vehicle(vehicle: Vehicle, period: float) -> Vehicle:
-    """No thrusters; a light, slow hull that wind moves at the surface."""
+    """Return a vehicle without thrusters: a light, slow hull that the wind moves at the surface."""
     return replace(
         vehicle,
         glides=True,
@@ -278,7 +280,8 @@ def _reckon_glider(
     *,
     learning: bool = True,
 ) -> list[_Sample]:
-    """One sample a dive; ``learning``: what each missed tells how far to trust the figures."""
+    """Return one sample per dive. ``learning``: each dive's error adjusts the trust in the
+    figures."""
     nav = Navigation(vehicle, glider.origin, date=glider.start.isoformat())
     believed, share = nav.core.figures, 1.0
     samples: list[_Sample] = []
@@ -300,7 +303,7 @@ def _reckon_glider(
 
 
 def _halves(glider: Recording, found: Sequence[references.Dive], vehicle: Vehicle) -> list[_Sample]:
-    """The dives of each half by what `calibrate` makes of the other half."""
+    """Score the dives of each half with what `calibrate` makes of the other half."""
     middle = found[len(found) // 2].begin
     halves = glider.rows(0, middle + 1), glider.rows(middle, len(glider.t))
     samples: list[_Sample] = []
@@ -323,7 +326,7 @@ def _feed(nav: Navigation, item: Telemetry | Fix) -> None:
 
 
 def _sample(e: Estimate, north: float, east: float, path: float, variance: float) -> _Sample:
-    """``variance`` is the truth's own, where it is a fix."""
+    """``variance``: of the true position, if that is a fix; m^2."""
     dn, de = north - e.north, east - e.east
     a, b, d = e.covariance[0] + variance, e.covariance[1], e.covariance[2] + variance
     det = a * d - b * b

@@ -1,9 +1,9 @@
-"""After the dive: the track smoothed between fixes, and how far the fixes were from the estimate.
+"""Smoothing of the track after the dive, and the distances of the fixes from the estimate.
 
 Rauch, Tung and Striebel (AIAA Journal 3, 1965, 1445-1450) by filterpy, over the horizontal states.
-The filter is an extended one: what its motion adds beyond F x is taken out of the states before
-the smoother and put back after it, so that the library's linear pass is exact about the track
-that was predicted. A gate that opened counts as process noise of the step before.
+The filter is an extended one. The part of its motion beyond F x is subtracted from the states
+before the smoother and added back after it, so that the library's linear pass is exact about the
+predicted track. An opened gate counts as process noise of the step before.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ _PLANE = DEPTH  # the states before it move the position
 
 @dataclass(frozen=True, slots=True)
 class FixSeen:
-    """Where a fix put the vehicle, how far from the estimate (m), and whether it was used."""
+    """A fix: its position, its residual to the estimate (m), and whether it was used."""
 
     t: float
     north: float
@@ -39,10 +39,10 @@ class FixSeen:
 
 @dataclass(frozen=True, slots=True)
 class Track:
-    """n instants. Positions are n x 2 (north, east), covariances n x 2 x 2.
+    """The track at n instants. Positions are n x 2 (north, east), covariances n x 2 x 2.
 
-    ``raw`` is compass and thrusters from the first fix on, with no other; ``states`` are all the
-    smoothed states (mission.navigation.model) and ``sigmas`` theirs.
+    ``raw``: dead reckoning by compass and thrusters from the first fix on, without later fixes.
+    ``states``: all smoothed states (mission.navigation.model); ``sigmas``: of these.
     """
 
     t: Array
@@ -60,7 +60,7 @@ class Track:
 
 @dataclass(slots=True)
 class _Node:
-    """A posterior, and the step that leads on from it."""
+    """A posterior, and the step from it to the next node."""
 
     t: float
     x: Array
@@ -71,13 +71,13 @@ class _Node:
 
 
 class TapedFilter(Filter):
-    """Remembers every step it takes, for the way back."""
+    """A filter that stores every step for the backward pass."""
 
     def __init__(self, figures: Figures) -> None:
         super().__init__(figures)
         self.t = 0.0
         self.nodes: list[_Node] = []
-        self.begins: list[int] = []  # nodes at which the position was set anew
+        self.begins: list[int] = []  # nodes at which the position was reset
         self.innovations: list[tuple[float, float, float]] = []
 
     def _piece(self, dt: float, run: Motion) -> None:
@@ -112,7 +112,7 @@ class TapedFilter(Filter):
         self._account(before)
 
     def doubt_current(self, sigma: float) -> None:
-        """What was known of the current with something else is gone: no way back over this."""
+        """Correlations of the current with other states are lost here: the backward pass stops."""
         super().doubt_current(sigma)
         if self.begins:
             self.begins.append(len(self.nodes))
@@ -131,7 +131,7 @@ def smooth(
     origin: Position | None = None,
     date: str | None = None,
 ) -> Track:
-    """In order of time, whatever order they come in. ValueError where there is no fix at all."""
+    """Smooth the inputs, which may come in any order. Raises ValueError if there is no fix."""
     ordered = sorted(inputs, key=lambda item: item.t)
     first = next((i for i in ordered if isinstance(i, Fix)), None)
     if first is None:
@@ -189,7 +189,7 @@ def _seen(nav: Navigation, tape: TapedFilter, fix: Fix) -> list[FixSeen]:
 
 
 def _depth(nav: Navigation, report: Telemetry) -> tuple[float, float, float]:
-    """Time, depth as reported, and how far the estimate is from it."""
+    """Return the time, the reported depth, and its difference from the estimate."""
     nav.telemetry(report)
     known = float(nav.core.filter.x[DEPTH])
     said = np.nan if report.depth is None else report.depth
@@ -197,7 +197,7 @@ def _depth(nav: Navigation, report: Telemetry) -> tuple[float, float, float]:
 
 
 def _backward(nodes: Sequence[_Node], begins: Sequence[int]) -> tuple[Array, Array]:
-    """Smoothed states and covariances of every node, each stretch between two placings alone."""
+    """Smooth the states and covariances of all nodes, separately between any two resets."""
     states = np.array([n.x for n in nodes])
     covariances = np.array([n.p for n in nodes])
     edges = [*begins, len(nodes)]
@@ -229,7 +229,8 @@ def _raw(
     date: str | None,
     at: Array,
 ) -> Array:
-    """Compass and thrusters alone; a first fix without speed, so that it teaches nothing."""
+    """Dead reckoning by compass and thrusters; the first fix has no speed, so it teaches
+    nothing."""
     nav = Navigation(vehicle, origin, date=date)
     times, places = [], []
     for item in ordered:

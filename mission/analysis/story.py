@@ -1,9 +1,9 @@
-"""A dive as a person would tell it: what was flown, why it went on, and how near the limits were.
+"""The story of a dive: what was flown, why each leg ended, how near the limits were.
 
     recordings --Teller--> Chapter (paragraphs and tables) --text | markdown | HTML (tell)
 
-Every sentence follows from the records. What is missing in a damaged file is told as missing. What
-does not live here: single lines (journal), pictures (report), how it is printed (tell).
+Every sentence follows from the records. Gaps in a damaged file are reported as gaps. What does not
+live here: single lines (journal), pictures (report), how it is printed (tell).
 """
 
 from __future__ import annotations
@@ -32,15 +32,15 @@ from mission.onboard.stream.events import answers_in, bound_of, reason_of
 from mission.onboard.stream.topics import FIX, JOURNAL, STATE, TELEMETRY
 from mission.onboard.stream.wellknown import INFO
 
-REFUSED = "refused "  # how the engine's event of such an answer begins
+REFUSED = "refused "  # how the engine's event of a refusal begins
 _CUT_SHORT = frozenset({By.TIMEOUT, By.ELSE, By.ON, By.UNCERTAIN})
 _OPERATORS = frozenset({"topside", "modem"})
-_ON_ITS_BEHALF = "answer of the STM32"  # the reason of such an answer, whether one came or not
+_ON_ITS_BEHALF = "answer of the STM32"  # reason of answers for the STM32, also if it gave none
 
 
 def story(recordings: Sequence[Sequence[Record | Gap]]) -> list[Chapter]:
-    """Of recordings in the order of their starts. Raises ValueError, KeyError or TypeError for a
-    start record of no version that can be read."""
+    """Tell the story of recordings, which are sorted by their starts. Raises ValueError, KeyError
+    or TypeError for a start record of a version that cannot be read."""
     chapters: list[Chapter] = []
     home: Position | None = None
     for number, items in enumerate(recordings):
@@ -66,7 +66,7 @@ Seen = Callable[[Record, Sequence[Message], Derivation], None]
 
 
 class Teller:
-    """Of one recording."""
+    """The story of one recording."""
 
     def __init__(
         self,
@@ -74,8 +74,8 @@ class Teller:
         seen: Seen | None = None,
         home: Position | None = None,
     ) -> None:
-        """``seen`` is handed each record with what follows from it: nothing is derived twice.
-        ``home``: of the recording before, where the program only began again."""
+        """``seen`` gets each record with the messages derived from it, so that nothing is derived
+        twice. ``home``: that of the recording before, if the program only restarted."""
         self._seen, self._lastly = seen, Lastly(home=home)
         self._told = Told()
         self._derivation: Derivation | None = None
@@ -83,12 +83,12 @@ class Teller:
         self._flown: Chart | None = None  # the mission that was started last
         self._unsaid, self._absence, self._extremes = Unsaid(), Absence(), Extremes()
         self._power = Power()
-        self._acting: frozenset[str] = frozenset()  # limits that the vehicle's reports let act
-        self._bounds: dict[str, float] = {}  # the limits in force, as they were last
-        self._breached: frozenset[str] | None = None  # limits; None: before the first are known
+        self._acting: frozenset[str] = frozenset()  # limits for which the vehicle has the reports
+        self._bounds: dict[str, float] = {}  # the latest limits in force
+        self._breached: frozenset[str] | None = None  # limits; None until the first are known
         self._end, self._state = 0.0, ""
-        self._fixes: list[float] = []  # when they came, s
-        self._acknowledged = b""  # the vehicle's last bytes with an acknowledgement
+        self._fixes: list[float] = []  # when the fixes came, s
+        self._acknowledged = b""  # the vehicle's last bytes that contain an acknowledgement
         for item in items:
             if isinstance(item, Gap):
                 self._gap(item)
@@ -169,7 +169,7 @@ class Teller:
             self._told.alarms.add(t, "limit", f"{limit} is breached{bound_of(limit)}")
 
     def _limited(self, t: float, standing: rec.Standing) -> None:
-        """A limit that becomes another: by an operator's @SP, or by the mission that is loaded."""
+        """Report limits that change, by an operator's @SP or by the mission that is loaded."""
         bounds = {name: float(getattr(standing, name)) for name in UNITS}
         before, self._bounds = self._bounds or bounds, bounds
         if changed := [name for name in bounds if bounds[name] != before[name]]:
@@ -203,7 +203,7 @@ class Teller:
         self._state = path
 
     def _proof(self, step: Step) -> str:
-        """What proved the surface: a fix, or a shallow depth that lasted."""
+        """Describe what proved the surface: a fix, or a shallow depth that lasted."""
         blind = self._doubts is not None and not self._doubts.believes("depth", step.t)
         if step.event != "fix":
             return ", proved by a depth that stayed shallow"
@@ -211,7 +211,8 @@ class Teller:
         return alone if blind else ", proved by a fix"
 
     def _tell_again(self, step: Step) -> None:
-        """A limit that leads to no other state, but to words; an ascent that goes on."""
+        """Report a limit that acts by commands without another state, or an ascent that
+        continues."""
         for action in step.actions:
             what, _, why = action.partition(": ")
             if what.startswith("output "):
@@ -260,8 +261,8 @@ class Teller:
                 self._told.refusals.add(tx.t, f"@ACK_{word}N$", why, who)
 
     def _refused_by(self, tx: Tx, word: str, who: str) -> str:
-        """Why an operator got an N. For words that go on to the vehicle it tells what happened,
-        too: an N of the vehicle, or none of its answers came."""
+        """Return why an operator got an N. For commands that are passed on to the vehicle, also
+        tell whether the vehicle answered N or did not answer."""
         if tx.reason != _ON_ITS_BEHALF:
             return tx.reason
         refused = f"@ACK_{word}N$".encode() in self._acknowledged
@@ -273,7 +274,7 @@ class Teller:
         if said["level"] <= INFO:
             if said["name"] == "store" and t > 0.0:
                 self._told.says.append(f"{clock(t)}: {said['message']}.")
-        elif not said["message"].startswith("refused"):  # these have their own table
+        elif not said["message"].startswith("refused"):  # refusals have their own table
             self._told.alarms.add(t, said["name"], said["message"])
 
     def _look(self, t: float, state: Mapping[str, Any], derivation: Derivation) -> None:
@@ -288,7 +289,7 @@ class Teller:
                 self._near(t, limit, state[name], standing)
 
     def _near_depth(self, t: float, depth: float | None, derivation: Derivation) -> None:
-        """By the report, as the limit goes by it; the estimate's depth is smoothed."""
+        """Use the report, because the limit uses it too; the estimate's depth is smoothed."""
         standing = derivation.standing
         if depth is not None and standing is not None:
             self._near(t, "depth", standing.depth - depth, standing)
@@ -330,17 +331,17 @@ class Teller:
 
     @property
     def home(self) -> Position | None:
-        """From where the next recording counts, if the program only began again."""
+        """The point that the next recording's distances count from if the program only restarts."""
         return self._lastly.home(self._origin)
 
     @property
     def _under_way(self) -> bool:
-        """In this recording a leg was flown, an emergency was there, or nobody knows."""
+        """Whether a leg was flown or an emergency occurred; also True if that is not known."""
         unknown = self._unsaid.lost and not self._state
         return unknown or bool(self._told.legs) or self._state.startswith(EMERGENCY)
 
     def spells(self) -> Sequence[Spell]:
-        """When which sensor could not be believed."""
+        """Return when which sensor could not be believed."""
         return self._doubts.spells(self._end) if self._doubts else ()
 
     def _never_flown(self) -> Iterator[str]:

@@ -1,7 +1,7 @@
-"""A calibration from recordings (CSV), as a vehicle that logged them would have been calibrated.
+"""Calibration from recordings (CSV), as if this vehicle had logged them.
 
-A run counts as driven at gear 8 all the way, with a fix in every row: its depth is no argument
-against them, so it counts as not reported. A glider has its fixes at the surface.
+A run counts as driven at gear 8 all the way, with a fix in every row. Its depth would contradict
+these fixes, so it counts as not reported. A glider has its fixes at the surface.
 """
 
 from __future__ import annotations
@@ -27,8 +27,9 @@ def calibrate_by(
     vehicle: Vehicle,
     compass: Callable[[Array], Array] = lambda heading: heading,
 ) -> Calibrated:
-    """Raises CalibrationError; RecordingError where they are of two kinds, or of another than
-    ``vehicle``. ``compass``: what it makes of a true heading."""
+    """Calibrate ``vehicle``. Raises CalibrationError, and RecordingError if the recordings are of
+    both kinds, or of the other kind than ``vehicle``. ``compass``: turns a true heading into a
+    reading."""
     if any(r.glider != vehicle.glides for r in recordings):
         kind = "glides" if vehicle.glides else "does not glide"
         wanted = "rows of a glider" if vehicle.glides else "runs with a place in each row"

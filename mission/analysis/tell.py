@@ -1,4 +1,4 @@
-"""Chapters as text, Markdown or HTML. Texts of vehicles and missions never become marks."""
+"""Chapters as text, Markdown or HTML. Texts of vehicles and missions never become markup."""
 
 from __future__ import annotations
 
@@ -36,7 +36,8 @@ def _columns(table: Table) -> list[str]:
 
 
 def printable(line: str) -> str:
-    """As it is, or with every odd character written out: nothing steers what shows it."""
+    """Return the text, with all unprintable characters escaped: nothing can control the
+    terminal."""
     return line if line.isprintable() else line.encode("unicode_escape").decode()
 
 
@@ -61,7 +62,7 @@ def as_html(title: str, chapters: Sequence[Chapter]) -> str:
 
 
 def page(title: str, inner: str) -> str:
-    """A whole page, around HTML; it asks no other host for anything."""
+    """Return a complete HTML page around ``inner``; it loads nothing from any other host."""
     head = f'<meta charset="utf-8"><title>{_escaped(title)}</title><style>{_STYLE}</style>'
     head += '<meta name="viewport" content="width=device-width">'
     body = f"<h1>{_escaped(title)}</h1>\n{inner}"
@@ -81,7 +82,7 @@ def html_body(chapters: Sequence[Chapter]) -> str:
 
 
 def _coded(text: str) -> str:
-    """Frames as code, which no line breaks."""
+    """Mark frames as code, so that no line breaks inside them."""
     return _FRAME.sub(r"<code>\g<0></code>", _escaped(text))
 
 

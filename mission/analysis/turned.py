@@ -1,4 +1,4 @@
-"""A vehicle that lies on its side or upside down, by two or more of its reports in a row.
+"""A vehicle that lies on its side or upside down, by two or more successive reports.
 
 reports --Turned--> sentences
 """
@@ -14,7 +14,7 @@ _REPORTS = 2
 
 
 class Turned:
-    """Pitch and roll in degrees, None where they are not known."""
+    """Pitch and roll in degrees, None if not known."""
 
     def __init__(self) -> None:
         self._since, self._count, self._roll = 0.0, 0, 0.0

@@ -1,4 +1,4 @@
-"""What a reader of a dive should know though no decision says it: silences, and what fixes showed.
+"""Facts of a dive that no decision records: silences, and what fixes showed.
 
     Messages --Unsaid--> sentences
 
@@ -23,8 +23,8 @@ from mission.onboard.stream.derived import Message
 from mission.onboard.stream.topics import AID, FIX, STATE, TELEMETRY
 from protocol.topside_frames import SENSORS
 
-ALONE_S = 60.0  # without a fix: then it is told how far off the next one lies
-DEEP_M = 2.0  # where no receiver hears anything
+ALONE_S = 60.0  # without a fix: after that the next one's distance is reported
+DEEP_M = 2.0  # deeper, no receiver works
 _SWITCHED = re.compile(rb"@RS([OC]{%d})\$" % len(SENSORS))
 
 
@@ -38,11 +38,11 @@ class _Wet:
 
 
 class Absence:
-    """When nobody was connected where somebody had been: an operator's port without an operator."""
+    """Times when nobody was connected to an operator's port where somebody had been."""
 
     def __init__(self) -> None:
         self._there: dict[str, set[str]] = {}
-        self._gone: dict[str, list[tuple[float, float]]] = {}  # from, to; inf while it lasts
+        self._gone: dict[str, list[tuple[float, float]]] = {}  # begin, end; inf while it lasts
 
     def receive(self, record: Record) -> None:
         if record.kind not in (rec.CONNECTED, rec.DISCONNECTED):
@@ -54,7 +54,7 @@ class Absence:
             if gone and math.isinf(gone[-1][1]):
                 gone[-1] = gone[-1][0], record.t
             return
-        if address in there and len(there) == 1:  # an end may be told twice
+        if address in there and len(there) == 1:  # a disconnection may be recorded twice
             gone.append((record.t, math.inf))
         there.discard(address)
 
@@ -70,7 +70,7 @@ class Absence:
 
 
 class Power:
-    """Follows which of the vehicle's devices operators have switched on or off by ``@RS``."""
+    """The vehicle's devices that operators have switched on or off by ``@RS``."""
 
     def __init__(self) -> None:
         self._letters = ""
@@ -87,7 +87,7 @@ class Power:
 
 
 class Unsaid:
-    """Of one run of the program; ``receiver``: its vehicle reports where it is."""
+    """Facts of one run of the program. ``receiver``: the vehicle reports its position."""
 
     def __init__(self, receiver: bool = True) -> None:
         self._unfixed, self._sunk = Unfixed() if receiver else None, Sunk()
@@ -97,8 +97,8 @@ class Unsaid:
         self._depth: float | None = None
         self._state: Mapping[str, Any] = {}
         self._wet: _Wet | None = None
-        self._added = 0  # values of sensors that were added
-        self.lost = False  # records are missing: what was not heard may have been said
+        self._added = 0  # values of added sensors
+        self.lost = False  # records are missing, so absence proves nothing
 
     def receive(
         self,
@@ -107,8 +107,8 @@ class Unsaid:
         believed: bool = True,
         by_hand: bool = False,
     ) -> Iterator[str]:
-        """``origin`` of the estimate's metres; ``believed``: the depth is; ``by_hand``: a stick
-        drives, and not every board reports then."""
+        """``origin``: of the estimate's metres; ``believed``: the depth is believed; ``by_hand``:
+        the stick drives, and not every board reports then."""
         if message.topic == STATE:
             self._state = message.value
             self._sunk.state(message.t, message.value["state"])
@@ -120,7 +120,7 @@ class Unsaid:
             self._sunk.report(depth)
             if self._unfixed is not None:
                 yield from self._unfixed.report(message.t, depth, believed)
-                if message.value["latitude_deg"] is not None:  # it knows its place by itself
+                if message.value["latitude_deg"] is not None:  # it reports its own position
                     yield from self._unfixed.fix(message.t)
         elif message.topic == AID:
             self._added += 1
@@ -130,11 +130,11 @@ class Unsaid:
             yield from self._fix(message.t, message.value, origin, believed)
 
     def forget(self) -> None:
-        """Begins anew behind missing records: what was said meanwhile is not known."""
+        """Start again after missing records: nothing is known about that time."""
         self.lost, self._reported, self._fixed = True, None, None
 
     def at_last(self, end: float) -> Iterator[str]:
-        """Sentences that can be told only once the recording is over."""
+        """Yield the sentences that are known only at the end of the recording."""
         if self._unfixed is not None:
             yield from self._unfixed.at_last(end)
             if self._fixed is not None and end - self._fixed > ALONE_S:

@@ -1,1 +1,1 @@
-"""The commands of the command line, one file for each or for a few that belong together."""
+"""The commands of the command line. A file has one command, or a few that belong together."""

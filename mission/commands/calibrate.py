@@ -1,4 +1,4 @@
-"""``auvmission calibrate``: what dives with fixes teach: speed, compass, noise, buoyancy."""
+"""``auvmission calibrate``: fit speed, compass, noise, buoyancy to dives with fixes."""
 
 from __future__ import annotations
 
@@ -25,13 +25,13 @@ def calibrate(logs: tuple[Path, ...], vehicle: str | None, output: Path | None,
               plot: Path | None) -> None:  # fmt: skip
     """Fit speed, compass, current and noise from black boxes LOGS that hold fixes.
 
-    Instead of black boxes, recordings (CSV) as `score` reads them may be given, with --vehicle.
-    Prints the sections of a vehicle file that replace sensors, compass and calibration, where
-    sensors were added also theirs (added), and, where a float test is among the logs,
-    ascent_buoyancy and ascent_measured. How good they are goes to
-    stderr: the error at the end of each dive, before and after; with two logs or more, after
-    calibration on the others. What the logs do not teach stays as the vehicle file has
-    it, and is told with what would teach it. Exit 2 where the logs cannot be used.
+    LOGS may also be recordings (CSV) as `score` reads them, with --vehicle. Prints sections for
+    the vehicle file: sensors, compass and calibration; added, if there are added sensors;
+    ascent_buoyancy and ascent_measured, if a float test is among the logs. Prints their quality to
+    stderr: the error at the end of each dive, before and after calibration. With two logs or more
+    each log is calibrated on the others. Figures that the logs do not determine stay as in the
+    vehicle file; stderr names them, and which dives would determine them. Exit 2 if the logs cannot
+    be used.
     """
     from mission.analysis.calibration import CalibrationError
     from mission.analysis.lessons import kept, left_out, rise, section, taught, untaught
@@ -76,7 +76,7 @@ def calibrate(logs: tuple[Path, ...], vehicle: str | None, output: Path | None,
 
 
 def _calibrated(logs: tuple[Path, ...], vehicle: str | None) -> Calibrated:
-    """Raises what reading and fitting raise."""
+    """Read the logs and fit them. Raises all errors of reading and fitting."""
     from dataclasses import replace
 
     from mission.analysis.calibration import calibrate as fit

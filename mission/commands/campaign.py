@@ -1,9 +1,8 @@
-"""`auvmission campaign`: missions that the check passed, flown against what it proved."""
+"""`auvmission campaign`: fly missions that the check passed, to test the bounds it proved."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -14,12 +13,29 @@ from mission.commands.jobs import Where, job_options
 from mission.commands.options import MISSION, SEED, VEHICLE_NAME, tell_confirmed
 
 if TYPE_CHECKING:
+    from mission.model.vehicle import Vehicle
     from mission.verification.campaign.proofs import Claim, Shown
     from mission.verification.workers.kept import Kept
     from mission.verification.workers.outcome import Lost
     from mission.verification.workers.places import Place
 
-Job = tuple["Claim", int, int]  # claim, seed, flight
+
+@dataclass(frozen=True, slots=True)
+class Subject:
+    """What is flown, with all that a worker needs of it. ``known`` None: the generated mission of
+    this number, which the worker makes."""
+
+    vehicle: Vehicle
+    known: Claim | None
+    number: int = 0
+
+    @property
+    def source(self) -> str:
+        """The way to it on a command line."""
+        return f"--generated {self.number}" if self.known is None else self.known.source
+
+
+Job = tuple[Subject, int]  # with the number of the flight
 
 
 @click.command()
@@ -60,49 +76,67 @@ def campaign(
     show: bool,
     where: Where,
 ) -> None:
-    """Fly missions within what the check assumed: never past what it proved.
+    """Fly missions within what the check assumed, and report flights beyond what it proved.
 
     Current, start, compass, speed and floor are random within the assumptions; sensors fail and
-    links are lost. Each counterexample is told with the command that flies it again: exit 1. The
-    last line of stdout is one JSON object; its `at_most` bounds the probability that a flight drawn
-    like these gets past what was proved (exact binomial, 95 %).
+    links are lost. Each counterexample is printed with the command that flies it again; exit 1 if
+    there is one. The last line of stdout is one JSON object. Its `at_most` bounds the probability
+    that a flight drawn like these exceeds a proved bound (exact binomial, 95 %); a flight that is
+    `undone` counts as if it had.
     """
     import json
     import sys
 
-    from mission.authoring.prepare import Unreadable
-    from mission.verification.campaign.faults import fitting, shipped
     from mission.verification.campaign.proofs import Shown
+    from mission.verification.rig.vehicle import flown
+    from mission.verification.workers.contents import contents
 
     _refuse_unknown(vehicle)
+    if show and generated is None:
+        raise click.UsageError("--show prints a generated mission: say --generated NUMBER")
     if generated is not None and show:
-        _print(vehicle, seed, generated)
+        where.refuse("--show flies nothing")
+        click.echo(_generated_text(vehicle, seed, generated), nl=False)
         return
-    only = generated is not None or words or word is not None
     if vehicle != "auv" and (words or word is not None):
         raise click.UsageError("--words are of the AUV: leave --vehicle out")
     tell_confirmed(vehicle)
-    known = shipped() if vehicle == "auv" else [subject.path for subject in fitting(vehicle)]
-    named = () if only else tuple(dict.fromkeys(files)) or tuple(known)
-    count = 1 if generated is not None else len(named) if missions is None or only else missions
-    try:
-        claims = [_claim(path, vehicle) for path in named[:count]]
-    except (Unreadable, ValueError) as error:
-        click.echo(str(error), err=True)
-        sys.exit(2)
-    first = generated or 0
-    numbers = range(first, first + count - len(claims))
-    said = _said(word) if words or word is not None else []
-    if not (claims or numbers or said):
-        raise click.UsageError(f"no shipped mission flies on {vehicle}: name a MISSION")
-    with where.keeping({"flights": "within what was proved", "seed": seed}, Shown) as kept:
-        claims += [*_generate(vehicle, seed, numbers, where.place), *said]
-        which = range(flights) if flight is None else [flight]
-        jobs: list[Job] = [(claim, seed, number) for claim in claims for number in which]
-        tally = _fly(jobs, where.place, kept, with_stories=flight is not None)
-    tally.missions = len(claims)
+    if generated is None and not words and word is None:
+        subjects = _subjects(files, missions, vehicle)
+    else:
+        subjects = [] if generated is None else [Subject(flown(vehicle), None, generated)]
+        subjects += _said(word) if words or word is not None else []
+    made = next((subject for subject in subjects if subject.known is None), None)
+    if made is not None:  # learn here, not in each worker, whether this vehicle has missions at all
+        _generated_text(vehicle, seed, made.number)
+    which = range(flights) if flight is None else [flight]
+    jobs: list[Job] = [(subject, number) for subject in subjects for number in which]
+    asked = {"flights": "within what was proved", "seed": seed, "vehicle": contents(flown(vehicle))}
+    with where.keeping(asked, Shown) as kept:
+        tally = _fly(seed, jobs, where.place, kept, with_stories=flight is not None)
+    tally.missions = len(subjects)
     click.echo(json.dumps(tally.as_json()))
     sys.exit(0 if tally.clean else 1)
+
+
+def _subjects(files: tuple[Path, ...], missions: int | None, vehicle: str) -> list[Subject]:
+    """The files (the shipped ones if none is named), and generated ones up to ``missions``. A file
+    that cannot be flown ends the command with 2."""
+    from mission.authoring.prepare import Unreadable
+    from mission.verification.campaign.faults import fitting, shipped
+    from mission.verification.rig.vehicle import flown
+
+    known = shipped() if vehicle == "auv" else [subject.path for subject in fitting(vehicle)]
+    named = list(dict.fromkeys(files)) or known
+    try:
+        found = [_subject(path, vehicle) for path in named[:missions]]
+    except (Unreadable, ValueError) as error:
+        click.echo(str(error), err=True)
+        raise SystemExit(2) from None
+    more = range((missions or 0) - len(found))
+    if not (found or more):
+        raise click.UsageError(f"no shipped mission flies on {vehicle}: name a MISSION")
+    return [*found, *(Subject(flown(vehicle), None, number) for number in more)]
 
 
 def _refuse_unknown(vehicle: str) -> None:
@@ -115,12 +149,13 @@ def _refuse_unknown(vehicle: str) -> None:
         raise click.BadParameter(why, param_hint="--vehicle")
 
 
-def _said(number: int | None) -> list[Claim]:
-    """The mission of this word, or those of all."""
+def _said(number: int | None) -> list[Subject]:
+    """The mission of the word with this number; None: the missions of all words."""
     from mission.model.shipped import load_vehicle
     from mission.verification.campaign.withheld import claims
 
-    found = list(claims(load_vehicle("auv")))
+    vehicle = load_vehicle("auv")
+    found = [Subject(vehicle, claim) for claim in claims(vehicle)]
     if number is None:
         return found
     if number >= len(found):
@@ -129,58 +164,40 @@ def _said(number: int | None) -> list[Claim]:
     return [found[number]]
 
 
-@contextmanager
-def _none_is_told() -> Iterator[None]:
-    from mission.verification.campaign.generated import NoneFound
+def _generated_text(vehicle: str, seed: int, number: int) -> str:
+    """The text of a generated mission. Exit 2 for a vehicle that none is found for."""
+    from mission.verification.campaign.generated import NoneFound, generate
+    from mission.verification.rig.vehicle import flown
 
     try:
-        yield
+        return generate(seed, number, flown(vehicle)).text
     except NoneFound as error:
         raise click.UsageError(str(error)) from error
 
 
-def _print(vehicle: str, seed: int, number: int) -> None:
-    from mission.verification.campaign.generated import generate
-    from mission.verification.rig.vehicle import flown
-
-    with _none_is_told():
-        click.echo(generate(seed, number, flown(vehicle)).text, nl=False)
-
-
-def _generate(vehicle: str, seed: int, numbers: range, place: Place) -> list[Claim]:
-    import functools
-
-    from mission.verification.workers import results
-    from mission.verification.workers.outcome import had
-    from mission.verification.workers.progress import with_progress
-
-    tell = functools.partial(click.echo, err=True)
-    made = results(functools.partial(_generated, vehicle, seed), numbers, place)
-    with _none_is_told():
-        return [*map(had, with_progress(made, len(numbers), "missions generated", tell))]
-
-
-def _fly(jobs: Sequence[Job], place: Place, kept: Kept[Shown], *, with_stories: bool) -> _Tally:
-    """Prints the story of each flight that broke something or was lost, or of all."""
+def _fly(
+    seed: int, jobs: Sequence[Job], place: Place, kept: Kept[Shown], *, with_stories: bool
+) -> _Tally:
+    """Fly. Print the story of each flight with a violation, of lost ones, or of all."""
     import functools
 
     from mission.verification.workers import results
     from mission.verification.workers.outcome import Lost
-    from mission.verification.workers.progress import with_progress
+    from mission.verification.workers.progress import Progress
 
     tally, tell = _Tally(), functools.partial(click.echo, err=True)
-    found = results(_show, jobs, place, _name, kept)
-    ended = with_progress(found, len(jobs), "flights", tell, kept.count)
-    for (claim, seed, number), shown in zip(jobs, ended, strict=True):
+    progress = Progress(len(jobs), "flights", tell)
+    ended = results(functools.partial(_show, seed), jobs, place, _name, kept, progress)
+    for (subject, number), shown in zip(jobs, ended, strict=True):
         tally.take(shown)
         if isinstance(shown, Lost) or shown.violations or with_stories:
-            click.echo(_story(claim, shown, seed, number))
+            click.echo(_story(subject, shown, seed, number))
     return tally
 
 
 @dataclass(slots=True)
 class _Tally:
-    """``greatest_share``: of what the check proved, how much some flight needed."""
+    """The totals. ``greatest_share``: the greatest share of a proved bound that a flight needed."""
 
     missions: int = 0
     flights: int = 0
@@ -218,11 +235,13 @@ class _Tally:
     def as_json(self) -> dict[str, object]:
         from mission.verification.bounds import at_most
 
-        return asdict(self) | {"at_most": at_most(self.broken, self.flights)}
+        bound = at_most(self.broken + self.undone, self.flights + self.undone)
+        return asdict(self) | {"at_most": bound}
 
 
-def _claim(path: Path, vehicle: str) -> Claim:
-    """On ``vehicle``; the AUV stands for the mission's own."""
+def _subject(path: Path, vehicle: str) -> Subject:
+    """The mission of a file on ``vehicle``; ``auv`` means the mission's own. Raises Unreadable, and
+    ValueError for a mission that the check refuses."""
     from dataclasses import replace
 
     from mission.authoring.prepare import check_prepared, prepare
@@ -235,41 +254,44 @@ def _claim(path: Path, vehicle: str) -> Claim:
         why = report.refusals[0].message if report.refusals else "nothing is proved"
         raise ValueError(f"{path}: the check refuses it: {why}")
     mission = replace(prepared.mission, vehicle=prepared.vehicle.name)
-    return Claim(str(path), mission, report.proved)
+    return Subject(prepared.vehicle, Claim(str(path), mission, report.proved))
 
 
-def _generated(vehicle: str, seed: int, number: int) -> Claim:
-    from mission.verification.campaign.generated import generate
-    from mission.verification.campaign.proofs import Claim
-    from mission.verification.rig.vehicle import flown
-
-    made = generate(seed, number, flown(vehicle))
-    return Claim(f"--generated {number}", made.mission, made.proved)
-
-
-def _show(job: Job) -> Shown:
+def _show(seed: int, job: Job) -> Shown:
     from mission.verification.campaign.proofs import show
     from mission.verification.campaign.withheld import drawn_for
-    from mission.verification.rig.vehicle import flown
 
-    claim, seed, flight = job
-    vehicle = flown(claim.mission.vehicle)
-    return show(claim, vehicle, seed, flight, drawn_for(claim, flight))
+    subject, flight = job
+    claim = subject.known or _generated(subject, seed)
+    return show(claim, subject.vehicle, seed, flight, drawn_for(claim, flight))
+
+
+def _generated(subject: Subject, seed: int) -> Claim:
+    from mission.verification.campaign.generated import generate
+    from mission.verification.campaign.proofs import Claim
+
+    made = generate(seed, subject.number, subject.vehicle)
+    return Claim(subject.source, made.mission, made.proved)
 
 
 def _name(job: Job) -> str:
-    """With what the flight follows from, but the seed."""
+    """The name of a job: all that determines its flight, except the seed and the vehicle of a
+    generated mission."""
     from mission.authoring.language import digest
+    from mission.verification.workers.contents import contents
 
-    claim, _, flight = job
-    return f"{claim.source} {digest(claim.mission)[:8]} --flight {flight}"
+    subject, flight = job
+    source = subject.source
+    if subject.known is not None:
+        source += f" {digest(subject.known.mission)[:8]} {contents(subject.vehicle)[:8]}"
+    return f"{source} --flight {flight}"
 
 
-def _story(claim: Claim, shown: Shown | Lost, seed: int, number: int) -> str:
+def _story(subject: Subject, shown: Shown | Lost, seed: int, number: int) -> str:
     from mission.verification.workers.outcome import Lost
 
-    of = claim.mission.vehicle
-    words = claim.source if of == "auv" else f"{claim.source} --vehicle {of}"
+    of = subject.vehicle.name
+    words = subject.source if of == "auv" else f"{subject.source} --vehicle {of}"
     again = f"  again: auvmission campaign {words} --seed {seed} --flight {number}"
     if isinstance(shown, Lost):
         return f"flight {shown}\n{again}"

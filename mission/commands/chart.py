@@ -1,4 +1,4 @@
-"""``auvmission chart``: electronic charts of S-57 as GeoJSON for the console."""
+"""``auvmission chart``: convert electronic S-57 charts to GeoJSON for the console."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from mission.console.charts.enc import Converted
     from mission.verification.workers.outcome import Lost
 
-LONGEST_S = 300.0  # for one cell: the largest there are take some seconds
+LONGEST_S = 300.0  # for one cell; the largest ones take some seconds
 
 
 @click.command()
@@ -26,10 +26,10 @@ LONGEST_S = 300.0  # for one cell: the largest there are take some seconds
 def chart(cells: tuple[Path, ...], output: Path | None) -> None:
     """Write each CELL, an electronic chart of S-57 (.000), as GeoJSON for console --chart.
 
-    Coasts, land, depth areas, contours, soundings and dangers; updates that lie beside a cell
-    (.001, ...) are applied. What it is, how much is in it, and the datum of its depths are told on
-    standard error. A cell that cannot be read is named, and the others are written without it, with
-    exit code 2. Not for navigation: of what a chart holds, this is a part.
+    Writes coasts, land, depth areas, contours, soundings and dangers, with the updates that lie
+    beside a cell (.001, ...). Standard error tells scale, contents and depth datum of each cell. A
+    cell that cannot be read is named, the others are written, and the exit code is 2. Not for
+    navigation: this is only a part of the chart.
     """
     found, left_out = list[object](), 0
     for cell, made in _converted(cells):
@@ -47,8 +47,8 @@ def chart(cells: tuple[Path, ...], output: Path | None) -> None:
 
 
 def _converted(cells: tuple[Path, ...]) -> Iterator[tuple[Path, Converted | str]]:
-    """Each in a process of its own: a damaged one can end GDAL with all that is around
-    it. Or why there is nothing of it."""
+    """Yield each cell, converted, or with the reason why not. Each runs in a process of its own,
+    because a damaged cell can crash GDAL and its process."""
     from mission.console.charts.enc import convert
     from mission.verification.workers import results
     from mission.verification.workers.outcome import Lost

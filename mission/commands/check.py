@@ -1,4 +1,4 @@
-"""``auvmission check``: what is proved of a mission, and what refuses it. Exit 0, 1, 2."""
+"""``auvmission check``: prove bounds of a mission, or refuse it. Exit 0, 1, 2."""
 
 from __future__ import annotations
 
@@ -26,8 +26,8 @@ def check(
 ) -> None:
     """Prove what MISSION can do at most, and refuse it if it could lose the vehicle.
 
-    Bounds hold for time, energy, range and depth on every way through it. A refusal says where in
-    the text, and why. With --bathymetry the sea floor under each leg counts, too.
+    The bounds on time, energy, range and depth hold on every way through it. A refusal names the
+    place in the text, and why. With --bathymetry the sea floor under each leg counts too.
 
     Exit 0 if proved, 1 if refused, 2 if MISSION cannot be read.
     """

@@ -1,4 +1,4 @@
-"""``auvmission console``: the cockpit, a page in the browser of this computer."""
+"""``auvmission console``: the cockpit, a page in this computer's browser."""
 
 from __future__ import annotations
 
@@ -71,11 +71,10 @@ def console(
 ) -> None:
     """Plan, fly, steer and review in a browser: chart, states, margins, journal, X and W, stick.
 
-    LOG.mcap is reviewed; a mission's name in its place is simulated and reviewed. Nobody but this
-    computer can reach the page, and its address holds the token that opens it.
+    The page reviews LOG.mcap; a mission's name in its place is simulated and reviewed. Only this
+    computer can reach the page. Its address contains the token that opens it.
 
-    Ctrl-C ends it. Exit 1 when a simulated vehicle does not start, 2 when something is wrong with
-    what was given.
+    Ctrl-C ends it. Exit 1 if a simulated vehicle does not start, 2 if an argument is wrong.
     """
     try:
         from mission.console.serving import listen
@@ -126,7 +125,7 @@ def _run(
 
 
 def _open(address: str) -> None:
-    """In a window; a terminal's browser would take this terminal."""
+    """Open a browser window. No text browser: it would take over this terminal."""
     import webbrowser
 
     windows = sys.platform in ("darwin", "win32")
@@ -189,7 +188,7 @@ def _host(url: str) -> str:
 
 
 def _monitor_of(url: str) -> str:
-    """At the port after the operator's; "" where there cannot be one."""
+    """The URL of the port after the operator's; "" if there cannot be a monitor."""
     from links.base import LinkError
     from mission.topside.underwater import modem_address
     from mission.topside.upload import OperatorError
@@ -236,7 +235,7 @@ def _simulated(
     how: tuple[float, int, tuple[str, ...]],
     points: tuple[str, ...],
 ) -> Iterator[Given]:
-    """With the mission under way."""
+    """Run a simulated vehicle and its serve, with the mission under way."""
     from mission.console.vehicle import Given
     from mission.topside.upload import OperatorError
     from mission.verification.simulation.demo import LEFT
@@ -259,7 +258,7 @@ def _simulated(
 
 
 def _begin(to: str, prepared: Prepared, tell: Callable[[str], None]) -> None:
-    """Raises OperatorError."""
+    """Upload the mission and start it. Raises OperatorError."""
     from mission.authoring.language import script
     from mission.topside.console import converse
     from mission.topside.upload import start, upload
@@ -270,9 +269,9 @@ def _begin(to: str, prepared: Prepared, tell: Callable[[str], None]) -> None:
 
 
 def _two_free_ports() -> int:
-    """The first of two, one after the other; nobody holds them from here on.
+    """The first of two consecutive free ports. They are free again when this returns.
 
-    They are below those that systems hand to clients, who would take them meanwhile."""
+    They are below the range of client ports, so that no client takes them meanwhile."""
     host = "127.0.0.1"
     while True:
         port = random.SystemRandom().randrange(10_000, 32_000)

@@ -1,4 +1,4 @@
-"""``auvmission convert``: the same mission in the other text."""
+"""``auvmission convert``: write a mission in the other text form."""
 
 from __future__ import annotations
 
@@ -31,8 +31,8 @@ def convert(
 ) -> None:
     """Write MISSION as YAML or as lines: the same mission, with the same digest.
 
-    Parameters are resolved and comments stay behind; lines are the canonical text that travels
-    to the vehicle. With --json the text stands in the object where no file is named.
+    Parameters are resolved, and comments are dropped. The lines are the canonical text that is
+    sent to the vehicle. With --json and without --output the object contains the text.
     """
     from mission.authoring.importing.places import beside
     from mission.authoring.language import MissionErrors, digest, is_yaml, load, to_lines, to_yaml

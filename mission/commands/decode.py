@@ -1,4 +1,4 @@
-"""``auvmission decode``: what bytes on a link say, to a person or to a program.
+"""``auvmission decode``: decode the bytes of a link, for people or for programs.
 
 A table has one block per frame (offset in the stream; offset in the frame, name, value, unit) and
 one line per fault. ``--json`` has one object per line, ``{"offset", "type", "values"}`` or
@@ -22,7 +22,7 @@ CHUNK = 1 << 16
 
 
 def parse_options(pairs: tuple[str, ...]) -> Tolerances:
-    """``name=value`` of ``--option``; a bare name switches on."""
+    """Parse the ``name=value`` of ``--option``; a bare name means ``on``."""
     from protocol.tolerances import Tolerances, UnknownTolerance
 
     options = {pair.partition("=")[0]: pair.partition("=")[2] or "on" for pair in pairs}
@@ -64,7 +64,7 @@ def decode(
 ) -> None:
     """Show the frames and the faults in FILE (- is standard input).
 
-    CAN frames are given as ID#DATA, one a line.
+    CAN frames are written as ID#DATA, one per line.
     """
     import json
 
@@ -95,7 +95,7 @@ def _items(
 
 
 def _stream(framer: Framer, chunks: Any) -> Iterator[Frame | FrameFault]:
-    """Everything that the chunks yield, with an idle time after the last one."""
+    """Decode all chunks, and then an idle time, which gives up an unfinished frame."""
     for chunk in chunks:
         yield from framer.receive(chunk, 0.0)
     yield from framer.flush(float("inf"))

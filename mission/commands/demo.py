@@ -1,4 +1,4 @@
-"""``auvmission demo``: three processes, one mission, and what came of it in out/demo/."""
+"""``auvmission demo``: fly one mission with three processes; results are in out/demo/."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 OWN = {
     "coreboard": "coreboard-dive",
-    "mainboard": "rov-dive",  # by thrust and time: nothing is held before signs are confirmed
+    "mainboard": "rov-dive",  # by thrust and time: nothing is held until its signs are confirmed
     "rov": "rov-dive",
     "robot": "robot-drive",
 }
@@ -45,11 +45,11 @@ def demo(
     vehicle: str | None,
     out: Path,
 ) -> None:
-    """Fly MISSION through serve and a simulated vehicle, over real bytes.
+    """Fly MISSION with serve and a simulated vehicle, over real bytes.
 
-    Without MISSION the vehicle's own: first-dive, coreboard-dive, rov-dive or robot-drive.
+    Without MISSION: first-dive, coreboard-dive, rov-dive or robot-drive, as fits the vehicle.
 
-    Exit 0 only if the vehicle surfaced, the mission completed and every leg was left as planned.
+    Exit 0 only if the vehicle surfaced, the mission completed and every leg ended as planned.
     """
     from dataclasses import replace
 
@@ -73,7 +73,7 @@ def demo(
 
 
 def _proved(path: Path, vehicle: str | None, settings: tuple[str, ...]) -> tuple[Prepared, float]:
-    """The mission, and the longest it can take in s. Exit 2 if it cannot be read, 1 if refused."""
+    """The mission, and its longest duration, s. Exit 2 if it cannot be read, 1 if refused."""
     from links.simulated.settings import SettingError, parse_settings
     from mission.authoring.prepare import Unreadable, check_prepared, prepare
 
@@ -107,7 +107,7 @@ def _flown(demonstration: Demo, shown: Shown, out: Path) -> Flight:
 
 
 def _leave(flight: Flight, prepared: Prepared, out: Path, flown: Demo) -> None:
-    """The page, the pictures, and what came of each leg."""
+    """Write the page and the pictures, and print the table of the legs."""
     from links.simulated.settings import parse_settings
     from mission.analysis.report.dive import dives_of
     from mission.analysis.report.page import report_page
@@ -134,7 +134,7 @@ def _leave(flight: Flight, prepared: Prepared, out: Path, flown: Demo) -> None:
 
 
 def clear_earlier(out: Path, left: frozenset[str]) -> None:
-    """Removes what an earlier flight ``left``, and nothing else."""
+    """Remove the folder of an earlier flight. Exit 2 if it holds a file not in ``left``."""
     if not out.exists():
         return
     others = sorted({path.name for path in out.iterdir()} - left)
@@ -145,7 +145,7 @@ def clear_earlier(out: Path, left: frozenset[str]) -> None:
 
 
 class Shown:
-    """One line that is written over in a terminal; a line per leg elsewhere."""
+    """Progress: in a terminal one line, overwritten; elsewhere one line per leg."""
 
     def __init__(self) -> None:
         self._terminal = sys.stdout.isatty()
@@ -158,7 +158,7 @@ class Shown:
         where = f"{progress.state}/{progress.leg}".rstrip("/")
         text = f"{where:28} {depth:14} {place:36} {left}"
         if self._terminal:
-            width = shutil.get_terminal_size().columns - 1  # a wrapped line is not written over
+            width = shutil.get_terminal_size().columns - 1  # a wrapped line is not overwritten
             click.echo(f"\r\x1b[2K{text[:width]}", nl=False)
         elif where != self._last:
             click.echo(text)

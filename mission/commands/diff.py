@@ -1,4 +1,4 @@
-"""``auvmission diff``: what changed between two missions for the vehicle. Exit 0, 1, 2."""
+"""``auvmission diff``: compare two missions as the vehicle flies them. Exit 0, 1, 2."""
 
 from __future__ import annotations
 
@@ -25,11 +25,11 @@ def diff(
     markdown: bool,
     as_json: bool,
 ) -> None:
-    """Tell what changes for the vehicle from mission BEFORE to mission AFTER.
+    """Show what changes for the vehicle from mission BEFORE to mission AFTER.
 
-    Either may be in either form: legs, complete sets, guards, clocks, handlers, limits and
-    assumptions are compared, and the worst cases that the check proves. Exit 0 without a
-    difference for the vehicle, 1 with one, 2 if a mission cannot be read.
+    Each may be YAML or lines. Compares legs, complete sets, guards, clocks, handlers, limits and
+    assumptions, and the worst cases that the check proves. Exit 0 without a difference for the
+    vehicle, 1 with one, 2 if a mission cannot be read.
     """
     import json
     import sys

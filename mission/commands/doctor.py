@@ -1,4 +1,4 @@
-"""``auvmission doctor``: what a person should mend before a dive."""
+"""``auvmission doctor``: find what has to be repaired before a dive."""
 
 from __future__ import annotations
 
@@ -47,10 +47,10 @@ _GIVE = (
 def doctor(
     config: Path | None, ask: bool, signs: bool, in_water: bool, on_deck: bool, as_json: bool
 ) -> None:
-    """Examine this Pi, its ports, and the vehicle behind them; say what to do about each fault.
+    """Examine this Pi, its ports and the vehicle, and say what to do about each fault.
 
-    Listens for some seconds and asks one harmless query (@RI). The ports of a serve that runs are
-    left alone; what serve knows is judged instead. Exit 0, or 1 with a fault.
+    Listens for some seconds and sends one harmless query (@RI). It does not touch the ports of a
+    running serve; it judges what that serve knows instead. Exit 0, or 1 with a fault.
     """
     import json
 
@@ -81,8 +81,8 @@ def doctor(
 
 
 def _named(config: Path | None) -> tuple[Vehicle | None, bool]:
-    """And whether a serve has its port, so that nothing is said to it. None where it cannot be
-    told: then nothing is left out."""
+    """The vehicle, and whether a serve has its port: then nothing is sent to it. If the vehicle is
+    unknown (None), no question is left out."""
     from mission.model.diagnostics import Diagnosed
     from mission.model.shipped import load_vehicle
     from mission.onboard.configuration import load_configuration
@@ -98,7 +98,7 @@ def _named(config: Path | None) -> tuple[Vehicle | None, bool]:
 
 
 def _examined(config: Path | None, ask: bool, move: bool) -> Iterator[Finding]:
-    """What cannot be read is a fault, and the rest is as serve would begin with."""
+    """Examine. An unreadable file is a fault; the rest is as serve would start with it."""
     from mission.model.diagnostics import Diagnosed
     from mission.model.shipped import load_vehicle
     from mission.onboard.configuration import load_configuration

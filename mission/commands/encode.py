@@ -1,4 +1,4 @@
-"""``auvmission encode``: one frame from its values, by the names of docs/protocol.md."""
+"""``auvmission encode``: make one frame from its values, by the names of docs/protocol.md."""
 
 from __future__ import annotations
 

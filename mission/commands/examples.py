@@ -1,6 +1,6 @@
 """An example of every command, for the end of its ``--help``.
 
-docs/reference/commands.md shows each, where the tests run it, or look up its options.
+docs/reference/commands.md shows each. The tests run it there, or look up its options.
 """
 
 from __future__ import annotations
@@ -66,5 +66,5 @@ EXAMPLES: Mapping[str, str] = MappingProxyType(
 
 
 def epilog(command: str) -> str:
-    """As click ends a help page: not wrapped, so that it can be copied."""
+    """The end of a help page. Click does not wrap it, so that it can be copied."""
     return f"\b\nExample:\n  auvmission {EXAMPLES[command]}"

@@ -1,4 +1,4 @@
-"""``auvmission export``: what black boxes hold, as files for other programs."""
+"""``auvmission export``: write black boxes as files for other programs."""
 
 from __future__ import annotations
 
@@ -31,9 +31,9 @@ def export(
 ) -> None:
     """Write black boxes as CSV, Parquet, GPX, KML or GeoJSON.
 
-    Each FILE goes into a folder of its own in --output, by its name. Units are in columns.csv, in
-    Parquet with each field. Files that are there are not written over unless --force says so. Exit
-    2 where a file cannot be used or written; what can be is written all the same.
+    Each FILE gets a folder of its own in --output, with its name. Units are in columns.csv; in
+    Parquet they are with each field. Existing files are overwritten only with --force. Exit 2 if a
+    file cannot be used or written; the others are written all the same.
     """
     from mission.analysis.export import ExportError, folders
     from mission.onboard.blackbox import BlackBoxError, first_part
@@ -68,7 +68,7 @@ def _refuse_what_is_there(into: Sequence[Path], forms: Sequence[str]) -> None:
 
 
 def _made(log: Path, forms: Sequence[str]) -> tuple[list[tuple[str, bytes]], list[str]]:
-    """The files of a log, and why there are no others; what is missing in it is told."""
+    """The files of a log, and why others are missing. Prints the gaps in the log."""
     from mission.analysis.export import FORMS, ExportError
     from mission.analysis.journal import recordings
     from mission.onboard.blackbox import Gap

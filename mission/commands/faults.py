@@ -1,4 +1,4 @@
-"""`auvmission faults`: seeded flights with faults of everything, and what became of them."""
+"""`auvmission faults`: seeded flights with faults of everything, judged by the laws."""
 
 from __future__ import annotations
 
@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     from mission.onboard.runtime.records import Recorder
     from mission.verification.campaign.draw import Plan, Subject
     from mission.verification.campaign.faults import FlightResult, Totals
-    from mission.verification.campaign.noticing import Noticed
     from mission.verification.workers.outcome import Lost
 
 
@@ -64,37 +63,40 @@ def faults(
 ) -> None:
     """Fly the shipped missions with faults of vehicle, links, operators and program.
 
-    Zero vehicles lost, zero limits overrun, zero commands that nothing asked for: exit 0. Each
-    flight that fails is told with the command that flies it again: exit 1. The last line of
-    stdout is one JSON object.
+    Exit 0: no vehicle lost, no limit overrun, no command without a cause. Exit 1: a flight failed;
+    each is printed with the command that flies it again. The last line of stdout is one JSON
+    object.
 
-    With --search the flights go where the margins to the laws are small; they have names instead of
-    numbers, and the object also says which came nearest to each law. With --broken one safety rule
-    (or all, one after the other) is broken in the running program, and flights are flown until one
-    notices: exit 0 if all are noticed but those with a reason.
+    --search steers the flights to where the margins to the laws are small. They have names instead
+    of numbers, and the object also says which came nearest to each law. --broken breaks one safety
+    rule (or all, one after the other) in the running program, and flies until a flight notices:
+    exit 0 if all are noticed, except rules with a stated reason.
 
-    With --calm nothing is disturbed but by currents and noise: what a limit ends is a false alarm.
+    With --calm there are only currents and noise: a flight that a limit ends is a false alarm.
 
-    With --vehicle the missions that fly on another vehicle, with what can fail of its board; its
-    words are those of its own document, and so are the laws of what it may be told.
+    --vehicle flies the missions of another vehicle, with the faults of its board. Commands, and the
+    laws on what it may be sent, are those of its own document.
 
     `at_most` bounds the probability that a flight drawn like these breaks a law (exact binomial,
-    95 %). `digest` is the same wherever the same flights are flown.
+    95 %); a flight that is `undone` counts as if it had. `digest` is the same wherever the same
+    flights are flown.
     """
     import json
     import sys
 
+    from mission.commands.faults_broken import break_rules
+    from mission.commands.faults_soaked import soak_here, soak_seeds
     from mission.verification.campaign.faults import Totals
 
+    _refuse_two_kinds(rule=rule, soak=soak, flight=flight, search=search, calm=calm)
+    _refuse_unused(where, flight, report, soak, soaks)
     known = _known(vehicle)
     if rule is not None:
-        sys.exit(_break(rule, seed, flights, where, known, as_json, search))
-    if soaks is not None:
-        if soak is None:
-            raise click.UsageError("--soaks needs --soak DAYS")
-        sys.exit(_soak_many(soak, range(seed, seed + soaks), where, known, calm, as_json))
+        sys.exit(break_rules(rule, seed, flights, where, known, as_json=as_json, searched=search))
+    if soak is not None and soaks is not None:
+        sys.exit(soak_seeds(soak, range(seed, seed + soaks), where, known, calm, as_json=as_json))
     if soak is not None:
-        sys.exit(_soak(soak, seed, known, calm))
+        sys.exit(soak_here(soak, seed, known, calm))
     totals = Totals()
     also: dict[str, Any] = {}
     if flight is not None:
@@ -107,8 +109,34 @@ def faults(
     sys.exit(0 if totals.clean else 1)
 
 
+def _refuse_two_kinds(**said: object) -> None:
+    """Refuse kinds of flights of which all but one would be ignored."""
+    kinds = {name for name, value in said.items() if value not in (None, False)}
+    together = ({"rule", "search"}, {"flight", "calm"}, {"soak", "calm"})
+    if len(kinds) > 1 and kinds not in together:
+        names = sorted("--broken" if kind == "rule" else f"--{kind}" for kind in kinds)
+        raise click.UsageError(f"{' and '.join(names)} are kinds of flights: say one")
+
+
+def _refuse_unused(
+    where: Where,
+    flight: str | None,
+    report: Path | None,
+    soak: float | None,
+    soaks: int | None,
+) -> None:
+    if report is not None and flight is None:
+        raise click.UsageError("--report needs --flight")
+    if soaks is not None and soak is None:
+        raise click.UsageError("--soaks needs --soak DAYS")
+    if flight is not None:
+        where.refuse("--flight flies here and keeps nothing")
+    if soak is not None and soaks is None:
+        where.refuse("--soak flies here and keeps nothing", ", or say --soaks 1")
+
+
 def _known(vehicle: str) -> tuple[Subject, ...]:
-    """What flies. Raises click.BadParameter."""
+    """The missions of the vehicle. Raises click.BadParameter."""
     from mission.verification.campaign.faults import fitting, shipped, subjects
     from mission.verification.rig.speech import MOTION
 
@@ -122,7 +150,7 @@ def _known(vehicle: str) -> tuple[Subject, ...]:
 
 
 def _plan(flight: str, seed: int, known: Sequence[Subject], calmly: bool) -> Plan:
-    """A number is a flight by chance, or without faults, a name one of a search."""
+    """The plan of a flight. A number is a random flight, or a calm one; a name is of a search."""
     from mission.verification.campaign.calm import calm
     from mission.verification.campaign.draw import draw
     from mission.verification.campaign.steered import plan_of
@@ -162,13 +190,14 @@ def _by_chance(
     calm: bool,
     as_json: bool,
 ) -> dict[str, Any]:
-    """What the object says beside the totals: how seldom a flight breaks a law."""
+    """Return the values beside the totals: a bound on the share of flights that break a law. A
+    flight without a result counts as if it had."""
     import functools
 
     from mission.verification.bounds import at_most
     from mission.verification.campaign.faults import FlightResult
     from mission.verification.workers import results
-    from mission.verification.workers.progress import with_progress
+    from mission.verification.workers.progress import Progress
 
     work = functools.partial(_fly_calmly if calm else _fly_numbered, seed, known)
     asked = {"flights": "calm" if calm else "by chance", "seed": seed}
@@ -176,11 +205,12 @@ def _by_chance(
         asked["vehicle"] = known[0].vehicle
     tell = functools.partial(click.echo, err=True)
     with where.keeping(asked, FlightResult) as kept:
-        found = results(work, range(flights), where.place, kept=kept)
-        for number, result in enumerate(with_progress(found, flights, "flights", tell, kept.count)):
+        progress = Progress(flights, "flights", tell)
+        found = results(work, range(flights), where.place, kept=kept, progress=progress)
+        for number, result in enumerate(found):
             again = _again(seed, str(number), calm, known)
             _take(totals, result, str(number), as_json, again)
-    return {"at_most": at_most(totals.broken, totals.flights)}
+    return {"at_most": at_most(totals.broken + totals.undone, totals.flights + totals.undone)}
 
 
 def _take(
@@ -209,11 +239,11 @@ def _search(
     known: Sequence[Subject],
     as_json: bool,
 ) -> dict[str, Any]:
-    """What the object says beside the totals: which flights came nearest."""
+    """Return the values beside the totals: which flights came nearest to each law."""
     import functools
 
     from mission.verification.campaign.search import Search, Searched, flown
-    from mission.verification.workers.progress import with_progress
+    from mission.verification.workers.progress import Progress
 
     search = Search(known)
     tell = functools.partial(click.echo, err=True)
@@ -221,8 +251,8 @@ def _search(
     if known[0].vehicle != "auv":
         asked["vehicle"] = known[0].vehicle
     with where.keeping(asked, Searched) as kept:
-        found = flown(search, seed, flights, known, where.place, kept)
-        for name, result in with_progress(found, flights, "flights", tell, kept.count):
+        progress = Progress(flights, "flights", tell)
+        for name, result in flown(search, seed, flights, known, where.place, kept, progress):
             _take(totals, result, name, as_json, _again(seed, name, False, known))
     nearest = sorted(search.nearest.items())
     told = {law: {"seed": seed, "flight": near.name, "left": near.left} for law, near in nearest}
@@ -250,123 +280,12 @@ def _fly_plan(plan: Plan, recorder: Callable[[], Recorder | None], calmly: bool)
     return result_of(plan, fly_plan(plan, plan.vehicle, recorder), plan.vehicle, plan.profile)
 
 
-def _break(
-    rule: str,
-    seed: int,
-    flights: int,
-    where: Where,
-    known: tuple[Subject, ...],
-    as_json: bool,
-    search: bool,
-) -> int:
-    """The exit code."""
-    import functools
-    import json
-
-    from mission.model.compiled import compiled
-    from mission.verification.campaign.broken import BROKEN
-    from mission.verification.campaign.noticing import Noticed, in_table
-    from mission.verification.workers import results
-    from mission.verification.workers.outcome import Lost
-
-    if rule != "all" and rule not in BROKEN:
-        raise click.BadParameter(f"no rule {rule!r}; known: {', '.join(BROKEN)}")
-    if compiled():
-        raise click.UsageError("compiled code cannot be broken: --broken takes the pure build")
-    names = list(BROKEN) if rule == "all" else [rule]
-    found: list[Noticed] = []
-    work = functools.partial(_notice, seed, flights, known, search)
-    asked: dict[str, Any] = {"flights": "broken", "seed": seed, "most": flights}
-    asked["searched"] = search
-    if known[0].vehicle != "auv":
-        asked["vehicle"] = known[0].vehicle
-    undone: list[str] = []
-    with where.keeping(asked, Noticed) as kept:
-        for noticed in results(work, names, where.lasting(flights).place, kept=kept):
-            if isinstance(noticed, Lost):
-                undone.append(noticed.name)
-            else:
-                found.append(noticed)
-            click.echo(
-                str(noticed) if isinstance(noticed, Lost) else in_table(noticed), err=as_json
-            )
-    blind = [n.name for n in found if n.flights is None and not n.reason]
-    object_ = {"rules": len(found), "noticed": sum(n.flights is not None for n in found)}
-    flown = sum(n.flights or flights for n in found if not n.reason)
-    told = {"blind": blind, "undone": undone, "flights": flights, "seed": seed, "flown": flown}
-    click.echo(json.dumps(object_ | told))
-    return 1 if blind or undone else 0
-
-
-def _notice(
-    seed: int, flights: int, known: tuple[Subject, ...], search: bool, name: str
-) -> Noticed:
-    from mission.verification.campaign.noticing import flights_of, notice
-
-    return notice(name, flights_of(seed, known), flights, searched=search)
-
-
-def _soak(days: float, seed: int, known: Sequence[Subject], calm: bool) -> int:
-    """The exit code."""
-    import json
-    import tempfile
-
-    from mission.verification.campaign import soak
-    from mission.verification.rig.vehicle import flown
-
-    def told(soaked: soak.Soaked, result: FlightResult) -> None:
-        for line in soak.story(soaked, result, seed, known[0].vehicle, calm):
-            click.echo(line)
-        if soaked.missions % 20 == 0:
-            words = f"{soaked.days:.2f} of {days:g} days, {soaked.missions} missions"
-            click.echo(f"{words}, growth {soaked.memory.growth}", err=True)
-
-    vehicle = flown(known[0].vehicle)
-    with tempfile.TemporaryDirectory(prefix="soak-") as folder:
-        soaked = soak.soak(days, seed, known, vehicle, Path(folder), told, calmly=calm)
-    for line in soaked.memory.in_words():
-        click.echo(line, err=True)
-    click.echo(json.dumps(soaked.as_json()))
-    if soaked.interrupted:
-        raise KeyboardInterrupt
-    return 0 if soaked.held else 1
-
-
-def _soak_many(
-    days: float, seeds: range, where: Where, known: Sequence[Subject], calm: bool, as_json: bool
-) -> int:
-    """The exit code. Each in a process of its own, which looks at its memory."""
-    import functools
-    import json
-
-    from mission.verification.campaign.soak import Summary, soak_alone
-    from mission.verification.rig.vehicle import flown
-    from mission.verification.workers import results
-    from mission.verification.workers.outcome import Lost
-
-    work = functools.partial(soak_alone, days, known, flown(known[0].vehicle), calm)
-    place = where.lasting(1.0 + days).place
-    found: dict[int, Any] = {}
-    held = True
-    asked = {"flights": "soaked calmly" if calm else "soaked", "days": days}
-    if known[0].vehicle != "auv":
-        asked["vehicle"] = known[0].vehicle
-    with where.keeping(asked, Summary) as kept:
-        for seed, one in zip(seeds, results(work, seeds, place, kept=kept), strict=True):
-            held = held and not isinstance(one, Lost) and one.held
-            found[seed] = None if isinstance(one, Lost) else one.found
-            for line in [f"seed {one}"] if isinstance(one, Lost) else one.stories:
-                click.echo(line, err=as_json)
-    click.echo(json.dumps({"soaks": found}))
-    return 0 if held else 1
-
-
 @contextmanager
 def _recorders(
     folder: Path | None, plan: Plan, name: str
 ) -> Iterator[Callable[[], Recorder | None]]:
-    """A black box for each life of the program, all of them whole and closed at the end, with sea
-    and seed; what went wrong is told beside them, for whoever has first read what they say."""
+    """Make a black box for each life of the program. At the end all are complete and closed, with
+    notes of sea and seed. Only the story names the faults, so that a reader may judge without."""
     if folder is None:
         yield lambda: None
         return

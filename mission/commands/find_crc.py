@@ -1,4 +1,4 @@
-"""``auvmission find-crc``: which CRC the ``@SD`` frames of a capture use (E-V19)."""
+"""``auvmission find-crc``: find the CRC that the ``@SD`` frames of a capture use (E-V19)."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ LENGTH = 86
 def find_crc(as_json: bool, as_hex: bool, file: BinaryIO) -> None:
     """Name the CRC profile of the @SD frames in FILE (- is standard input).
 
-    The name goes behind sd_crc: in the vehicle file, or behind --option sd_crc=.
+    Write the name after sd_crc: in the vehicle file, or use it as --option sd_crc=NAME.
     """
     import json
     from collections import Counter
@@ -29,7 +29,7 @@ def find_crc(as_json: bool, as_hex: bool, file: BinaryIO) -> None:
     candidates = list(_candidates(_contents(file, as_hex)))
     votes = Counter(name for frame in candidates for name in find_sd_crc_profile(frame))
     ranked = [p.name for p in SD_PROFILES if votes[p.name]]
-    ranked.sort(key=lambda name: -votes[name])  # stable: the normative reading first
+    ranked.sort(key=lambda name: -votes[name])  # stable sort: the normative reading stays first
     best = ranked[0] if ranked else None
     if as_json:
         counts = {name: votes[name] for name in ranked}

@@ -1,4 +1,4 @@
-"""``auvmission fmt``: the tidy layout of mission files, comments kept."""
+"""``auvmission fmt``: lay out mission files tidily, with their comments."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ from mission.commands.options import AS_JSON
 @click.option("--stdout", is_flag=True, help="Print the result and leave the file alone.")
 @AS_JSON
 def fmt(files: tuple[Path, ...], only_check: bool, stdout: bool, as_json: bool) -> None:
-    """Lay out mission FILEs tidily, in place: indentation, blanks, comments in line.
+    """Lay out mission FILEs tidily, in place: indentation, blanks, aligned comments.
 
-    Words, numbers and comments stay as they are, and so does the mission's digest. A file with
-    errors is left as it is (exit 2). With --check or --stdout a FILE may be the bare name of a
-    shipped mission, too.
+    Words, numbers, comments and the mission's digest do not change. A file with errors is not
+    changed (exit 2). With --check or --stdout a FILE may also be the bare name of a shipped
+    mission.
     """
     from mission.authoring.prepare import mission_file
     from mission.model.diagnostics import Diagnosed
@@ -48,7 +48,7 @@ def fmt(files: tuple[Path, ...], only_check: bool, stdout: bool, as_json: bool) 
 
 
 def _refuse_shipped(files: Iterable[Path]) -> None:
-    """Nobody's own file is meant by the bare name of a shipped mission."""
+    """Refuse bare names of shipped missions: these files are not to be changed."""
     from mission.model.shipped import shipped_missions
 
     for path in files:
@@ -58,7 +58,7 @@ def _refuse_shipped(files: Iterable[Path]) -> None:
 
 
 def _laid_out(path: Path, only_check: bool, stdout: bool) -> bool:
-    """True if the file is, or would be, changed."""
+    """Lay out one file. Return whether it is, or would be, changed."""
     from mission.authoring.importing.places import beside
     from mission.authoring.language import digest, layout, load, parse
 
@@ -78,7 +78,7 @@ def _laid_out(path: Path, only_check: bool, stdout: bool) -> bool:
 
 
 def _replace(path: Path, text: str) -> None:
-    """Whole or not at all."""
+    """Replace the file, whole or not at all."""
     beside = path.with_name(f".{path.name}.new")
     try:
         beside.write_bytes(text.encode("utf-8"))

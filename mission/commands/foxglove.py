@@ -1,4 +1,4 @@
-"""``auvmission foxglove``: a vehicle under way, or a dive of before, in Foxglove or Lichtblick."""
+"""``auvmission foxglove``: show a vehicle under way or a black box in Foxglove or Lichtblick."""
 
 from __future__ import annotations
 
@@ -34,9 +34,10 @@ def foxglove(to: str, listen: str, speed: float, layout: Path | None, seconds: f
     """Serve the stream to Foxglove and Lichtblick, by their WebSocket protocol.
 
     Connect to ws://HOST:PORT there, and import the layout. A black box is played once from its
-    beginning, and its end stays. Nothing that viewers say commands the vehicle.
+    beginning; its end stays shown. Viewers cannot command the vehicle.
 
-    Exit 0 when the time is over, 1 when the monitor or the port is not there, 2 when FILE is none.
+    Exit 0 when the time is over, 1 if the monitor is missing or the port cannot be used, 2 if FILE
+    is no black box.
     """
     if layout is not None:
         _write_layout(layout)
@@ -68,7 +69,7 @@ def _write_layout(path: Path) -> None:
 
 
 def _live(url: str, host: str, port: int) -> Iterator[None]:
-    """Serves what the monitor sends; yields between frames, for ever."""
+    """Serve what the monitor sends. Yields between frames, without end."""
     from mission.analysis.foxglove.live import TOPICS, Live
     from mission.topside.console import observe
     from mission.topside.monitor import Watched, wish
@@ -89,7 +90,7 @@ def _live(url: str, host: str, port: int) -> Iterator[None]:
 
 
 def _played(path: Path, host: str, port: int, speed: float) -> Iterator[None]:
-    """Serves a recording at its pace; yields while it waits, for ever. Raises BlackBoxError."""
+    """Serve a recording at its speed. Yields while it waits, without end. Raises BlackBoxError."""
     from mission.analysis.foxglove.playing import TOPICS, begun, messages
     from mission.analysis.journal import recordings
 

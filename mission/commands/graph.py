@@ -1,4 +1,4 @@
-"""``auvmission graph``: the mission's state graph as a picture, a page, or a table."""
+"""``auvmission graph``: write the mission's state graph as a picture, a page, or tables."""
 
 from __future__ import annotations
 
@@ -35,10 +35,10 @@ def graph(
     vehicle: str | None,
     as_json: bool,
 ) -> None:
-    """Draw MISSION as a state graph: legs, guards, and what leads out of them.
+    """Draw MISSION as a state graph: legs, guards, and the ways out of them.
 
-    .svg, .png and .html are for people, .mmd and .dot for other tools that draw, .scxml runs in
-    any SCXML engine, .json has the chart's tables.
+    .svg, .png and .html are for people, .mmd and .dot for other drawing tools. .scxml runs in any
+    SCXML engine, .json has the chart's tables.
     """
     from mission.authoring.graph.formats import FORMATS
     from mission.authoring.graph.outline import TooLarge, outline

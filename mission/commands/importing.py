@@ -1,4 +1,4 @@
-"""``auvmission import``: a plan of another program as a mission. Exit 0, 1, 2."""
+"""``auvmission import``: write another program's plan as a mission. Exit 0, 1, 2."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 def _size(unit: str) -> Callable[[click.Context, click.Parameter, str | None], float | None]:
-    """Reads an option that is a quantity of that unit."""
+    """Return a callback that reads an option as a quantity above 0, in ``unit``."""
 
     def read(context: click.Context, option: click.Parameter, text: str | None) -> float | None:
         from mission.model.units import UnitError, quantity
@@ -87,9 +87,9 @@ def import_(
     """Write FILE, a plan of another program, as a mission, and check it.
 
     Reads GPX routes, GeoJSON lines, KML and KMZ paths, QGroundControl .plan and WPL, Neptus .nmis
-    and .nmisz, Slocum goto lists (.ma) and MOOS waypoint behaviors (.bhv). What has no counterpart
-    is named with its line or path. Exit 0 if the mission is proved, 1 if the check refuses it (it
-    is written all the same), 2 if FILE cannot be taken over.
+    and .nmisz, Slocum goto lists (.ma) and MOOS waypoint behaviors (.bhv). Parts without a
+    counterpart are left out, and named with their line or path. Exit 0 if the mission is proved, 1
+    if the check refuses it (it is written all the same), 2 if FILE cannot be imported.
     """
     from mission.authoring.importing import Findings, ImportErrors, data_of
     from mission.authoring.importing.taking import taken
@@ -113,7 +113,7 @@ def import_(
 
 
 def _judged(text: str, source: str, vehicle: str) -> int:
-    """What the check says goes to standard error, beside the mission."""
+    """Check the mission and print the result to standard error. Return the exit code."""
     from mission.authoring.check.show import as_text
     from mission.authoring.prepare import Unreadable, check_prepared, prepare_text
 

@@ -1,4 +1,4 @@
-"""The options of commands whose work is many jobs, and where those are done."""
+"""The options of commands that run many jobs, and where the jobs run."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ _PATIENCE = click.option(
     "--patience",
     metavar="SECONDS",
     type=click.FloatRange(0.0, min_open=True),
-    help="A job that takes longer hangs: it is tried again, and then told.",
+    help="A job that takes longer hangs: it is tried again, and then told. Not with --on local.",
 )
 _RESUME = click.option(
     "--resume",
@@ -40,19 +40,25 @@ _RESUME = click.option(
 
 @dataclass(frozen=True, slots=True)
 class Where:
-    """What the options say."""
+    """The values of the options. ``given``: the options that were given, as written."""
 
     place: Place
     resume: Path | None
+    given: tuple[str, ...] = ()
 
     def lasting(self, factor: float) -> Where:
-        """For jobs that each last as long as ``factor`` others."""
-        return Where(replace(self.place, patience=factor * self.place.patience), self.resume)
+        """The same for jobs that each last as long as ``factor`` others."""
+        return replace(self, place=replace(self.place, patience=factor * self.place.patience))
+
+    def refuse(self, why: str, instead: str = "") -> None:
+        """Refuse the options, if any was given, for a call that has no use for them."""
+        if self.given:
+            raise click.UsageError(f"{why}: leave out {', '.join(self.given)}{instead}")
 
     @contextmanager
     def keeping(self, asked: Mapping[str, Any], kind: Any) -> Iterator[Kept[Any]]:
-        """``asked``: what results follow from, plain; ``kind``: their type. What stands in the way
-        of beginning at all: exit 2."""
+        """Keep results in the file of ``--resume``. ``asked``: all that they depend on, as plain
+        values; ``kind``: their type. Exit 2 if the file or the place of the jobs is unusable."""
         from mission.verification.workers.kept import Unusable, keeping
         from mission.verification.workers.outcome import Unreachable
 
@@ -68,7 +74,7 @@ class _Refused(click.ClickException):
 
 
 def job_options(command: Callable[..., None]) -> Callable[..., None]:
-    """``--on``, ``--workers``, ``--patience`` and ``--resume``, given as ``where``."""
+    """Add ``--on``, ``--workers``, ``--patience`` and ``--resume``; the command gets ``where``."""
 
     @functools.wraps(command)
     def called(
@@ -79,13 +85,19 @@ def job_options(command: Callable[..., None]) -> Callable[..., None]:
         resume: Path | None,
         **others: Any,
     ) -> None:
-        from mission.verification.workers.places import PATIENCE, place
+        from mission.verification.workers.places import LOCAL, PATIENCE, PROCESSES, place
 
+        said = {"--on": on, "--workers": workers, "--patience": patience, "--resume": resume}
+        given = tuple(name for name, value in said.items() if value is not None)
+        if on not in (None, PROCESSES) and workers is not None:
+            raise click.UsageError(f"--workers are processes of this machine: none with --on {on}")
+        if on == LOCAL and patience is not None:
+            raise click.UsageError("--patience ends processes: there is none with --on local")
         try:
-            chosen = place(on, workers, patience or PATIENCE)
+            at = place(on or (PROCESSES if patience else None), workers, patience or PATIENCE)
         except ValueError as error:
             raise click.BadParameter(str(error), param_hint="--on") from None
-        command(**others, where=Where(chosen, resume))
+        command(**others, where=Where(at, resume, given))
 
     for option in (_RESUME, _PATIENCE, _WORKERS, _ON):
         called = option(called)

@@ -1,4 +1,4 @@
-"""``auvmission keys``: certificates, so that nobody else commands the vehicle."""
+"""``auvmission keys``: make certificates, so that nobody else can command the vehicle."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ from mission.commands.options import AS_JSON
               help="Who may look at the monitor and command nothing; repeatable.")  # fmt: skip
 @AS_JSON
 def keys(folder: Path, boats: tuple[str, ...], viewers: tuple[str, ...], as_json: bool) -> None:
-    """Make a small certificate authority in FOLDER, with an end for the vehicle and for each boat.
+    """Make a certificate authority in FOLDER, and keys for the vehicle, each boat and each viewer.
 
-    Called again, it adds what is missing and changes nothing.
+    Called again, it adds what is missing and changes nothing else.
     """
     from mission.onboard.serve.keys import KeysError, make_keys
 
@@ -48,7 +48,7 @@ def keys(folder: Path, boats: tuple[str, ...], viewers: tuple[str, ...], as_json
 
 
 def _tell(folder: Path, link: str, port: int, who: str, end: str, command: str) -> None:
-    """Where the folders go, and what to configure and run there."""
+    """Print where to copy the folders, and what to configure and run there."""
     click.echo(f"""
 on the vehicle:  copy {folder / "vehicle"} to e.g. /etc/auvmission/keys, and configure
                  {link}: tls-listen://0.0.0.0:{port}?keys=/etc/auvmission/keys

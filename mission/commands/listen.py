@@ -1,4 +1,4 @@
-"""``auvmission listen``: a link live, a line a frame."""
+"""``auvmission listen``: show a link live, one line per frame."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from mission.onboard.doctor.holder import Holder
     from mission.topside.hearing import Heard
 
-# What serve says, not hears, on its side of these links; and what stands for both directions.
+# Links on which serve sends, seen from its side; and those that cover both directions.
 _SAID = (
     "auv.to_stm32", "auv.to_topside", "coreboard.pc_to_main", "coreboard.main_to_sensor",
     "rov.down", "robot.down",
@@ -48,13 +48,13 @@ def listen(
     options: tuple[str, ...],
     config: Path | None,
 ) -> None:
-    """Show what comes over URL as it comes: a serial port, a TCP stream, a CAN bus.
+    """Show the frames that come over URL live: a serial port, a TCP stream, a CAN bus.
 
-    A line a frame, with its time; what is no frame is a FAULT. Nothing is sent. A serial port is
-    opened with the bit rate of the link's document, unless the URL has ?baud=. Where a serve on
-    this computer has the port, its own stream is shown instead.
+    One line per frame, with its time; bytes that are no frame are a FAULT. It sends nothing. A
+    serial port is opened with the bit rate of the link's document, unless the URL has ?baud=. If a
+    serve on this computer has the port, its own stream is shown instead.
 
-    Exit 0 when the time is over or serve has ended; 1 if the port is not there, or goes away.
+    Exit 0 when the time is over or serve has ended; 1 if the port is missing or is lost.
     """
     from links.base import LinkError
     from mission.commands.decode import link_row, parse_options
@@ -90,7 +90,7 @@ def _until(seconds: float | None, heard: Iterator[Rx]) -> Iterator[Rx]:
 
 
 def _source(url: str, link_name: str, config: Path | None) -> Iterator[Rx]:
-    """The port itself, or what the serve says that has it. Raises LinkError."""
+    """The bytes of the port, or of the stream of the serve that has it. Raises LinkError."""
     import time
 
     from mission.onboard.configuration import ConfigurationError, load_configuration
@@ -129,7 +129,7 @@ def _of_serve(held: Holder, link_name: str, folder: Path) -> Iterator[Rx]:
 
 
 def _one_of_two(heard: Iterator[Rx], is_bus: bool) -> Iterator[Rx]:
-    """Of a bus and a line that are one link; what is heard on the bus, serve drops."""
+    """Keep bus or line, of a link that joins both. serve drops what it receives on the bus."""
     from links.joined import is_of_bus
     from mission.analysis.replay.follow import OUT
 
@@ -139,7 +139,7 @@ def _one_of_two(heard: Iterator[Rx], is_bus: bool) -> Iterator[Rx]:
 
 
 def _new_file(path: Path | None) -> BinaryIO | None:
-    """Nothing that was recorded before is lost."""
+    """Open a new file; an existing one is not overwritten (exit 2)."""
     if path is None:
         return None
     try:

@@ -1,4 +1,4 @@
-"""``auvmission log``: what black boxes say, line by line."""
+"""``auvmission log``: print black boxes line by line."""
 
 from __future__ import annotations
 
@@ -35,9 +35,9 @@ def log(
 ) -> None:
     """Show what happened, from the black boxes FILES: states, commands and why, refusals.
 
-    A line each, with wall time (UTC) and the engine's time; values are decoded, by topic. Several
-    files are told in the order of their starts, with the restart between two. What is missing in a
-    damaged file is told where it is missing. Exit 2 where a file cannot be read.
+    Each line has wall time (UTC) and the engine's time; values are decoded, by topic. Several files
+    are shown in the order of their starts, with the restart between two. Gaps in a damaged file are
+    shown where they are. Exit 2 if a file cannot be read.
     """
     import time
 
@@ -89,5 +89,5 @@ def _show(line: Line, as_json: bool) -> None:
 
 
 def _plain(line: Line) -> bool:
-    """Whatever is on a line of somebody's writes nothing of its own into a terminal."""
+    """Whether the line has no control characters, which could change the terminal."""
     return str(line).isprintable()

@@ -1,4 +1,4 @@
-"""``auvmission monitor``: what a running serve shows to viewers, a JSON object a line."""
+"""``auvmission monitor``: what a running serve shows to viewers, one JSON object per line."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ MONITOR = "tcp://127.0.0.1:4001"
 
 
 def beside(url: str, ports: int) -> str:
-    """The monitor's port is the one after the operator's. "" where there is no port of a host.
-    Raises LinkAddressError."""
+    """The URL with the port ``ports`` further: the monitor's is the one after the operator's. "" if
+    the URL has no port of a host. Raises LinkAddressError."""
     from links import parse_address
 
     address = parse_address(url)
@@ -43,11 +43,11 @@ def monitor(
     plan: bool,
     seconds: float,
 ) -> None:
-    """What serve shows to viewers at URL, as it comes: changes of state, events, plan, track.
+    """Print live what serve shows to viewers at URL: changes of state, events, plan, track.
 
-    Nothing that is said here commands the vehicle. Times are the engine's, in s.
+    Nothing sent here can command the vehicle. Times are the engine's, in s.
 
-    Exit 0 when the time is over, 1 when there is no monitor, it goes away, or tells nothing.
+    Exit 0 when the time is over, 1 if there is no monitor, it is lost, or it sends nothing.
     """
     from links.base import LinkError
     from mission.topside.console import observe

@@ -1,4 +1,4 @@
-"""``auvmission upload | start | clear | status | stop | surface`` towards a Pi."""
+"""``auvmission upload | start | clear | status | stop | surface``, sent to a Pi."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from mission.topside.upload import Script
     from protocol.messages import Order
 
-ALARM = 4  # exit status: it answers, and an alarm stands
+ALARM = 4  # exit code: the vehicle answers, and an alarm stands
 TO = click.option(
     "--to",
     type=LinkUrl(),
@@ -48,12 +48,12 @@ def upload(
     vehicle: str | None,
     as_json: bool,
 ) -> None:
-    """Check MISSION and store it in the vehicle, line by line; an upload that was cut goes on.
+    """Check MISSION and store it in the vehicle, line by line; continues an interrupted upload.
 
-    Over an acoustic modem (modem+serial:///dev/ttyUSB0?range=800&rate=600: m, bit/s) it goes in
-    batches, and only what is missing goes again.
+    Over an acoustic modem (modem+serial:///dev/ttyUSB0?range=800&rate=600: m, bit/s) the lines are
+    sent in batches, and only missing lines are sent again.
 
-    Exit 0 when the vehicle holds it, by its digest; 1 if not; 2 if MISSION cannot be read.
+    Exit 0 if the vehicle holds it, by its digest; 1 if not; 2 if MISSION cannot be read.
     """
     from mission.authoring.language import script
     from mission.authoring.prepare import Unreadable, parameters_of, prepare
@@ -79,7 +79,7 @@ def _remembered() -> Dives:
 
 
 def _refuse_unchecked(prepared: Prepared, force: bool, as_json: bool) -> Proved | None:
-    """Returns what the check proved, None with ``--force`` where it refuses. Exit 1 otherwise."""
+    """Return what the check proved; with ``--force`` None if it refuses. Otherwise exit 1."""
     from mission.authoring.check.show import as_object, as_text
     from mission.authoring.prepare import check_prepared
 
@@ -97,7 +97,7 @@ def _refuse_unchecked(prepared: Prepared, force: bool, as_json: bool) -> Proved 
 
 
 class _Progress:
-    """A line per mission line that the vehicle has."""
+    """Print each mission line when the vehicle has it."""
 
     def __init__(self, lines: list[str]) -> None:
         self._lines, self._shown = lines, 0
@@ -120,7 +120,7 @@ class _Progress:
 )
 @AS_JSON
 def start(to: str, wait: int, as_json: bool) -> None:
-    """Start the stored mission, or go on with the interrupted one (@AA)."""
+    """Start the stored mission, or resume the interrupted one (@AA)."""
     from mission.topside.upload import start_telling
 
     def began(digest: str) -> None:
@@ -145,9 +145,9 @@ def clear(to: str, as_json: bool) -> None:
 def stop(to: str, as_json: bool) -> None:
     """Stop all thrusters, at once and from any state (@ZAX0).
 
-    Then some seconds of reports are looked at. Exit 0 when one shows every thruster off; 3 when it
-    was sent and nothing confirms it; 1 when reports contradict it, or it is not known to have
-    arrived.
+    Then it reads reports for some seconds. Exit 0 if one shows every thruster off; 3 if the command
+    was sent and nothing confirms it; 1 if reports contradict it, or it is unknown whether the
+    command arrived.
     """
     from protocol.messages import Order
 
@@ -160,9 +160,9 @@ def stop(to: str, as_json: bool) -> None:
 def surface(to: str, as_json: bool) -> None:
     """Surface, at once and from any state (@ZAWF).
 
-    Then reports are looked at for up to a minute. Exit 0 when one shows the surface, or a depth
-    that has fallen by 0.5 m, and the vehicle's program believes it; 3 when it was sent and nothing
-    confirms it; 1 when the depth does not fall, or it is not known to have arrived.
+    Then it reads reports for up to a minute. Exit 0 if one shows the surface, or a depth that has
+    decreased by 0.5 m, and the vehicle's program believes it; 3 if the command was sent and nothing
+    confirms it; 1 if the depth does not decrease, or it is unknown whether the command arrived.
     """
     from protocol.messages import Order
 
@@ -175,9 +175,9 @@ def surface(to: str, as_json: bool) -> None:
 @click.option("--local", is_flag=True, help="On the Pi itself: all that serve knows of its health.")
 @click.option("-c", "--config", type=click.Path(path_type=Path), help="As for serve; for --local.")
 def status(to: str, as_json: bool, local: bool, config: Path | None) -> None:
-    """How the vehicle is (@AE), what it reports (@DU) and what it has stored (@AQ).
+    """Show the state of the vehicle (@AE), its report (@DU) and its store (@AQ).
 
-    Each value with its age. Exit 0 when nothing is wrong, 4 when an alarm stands; 1 when it does
+    Each value has its age. Exit 0 if nothing is wrong, 4 if an alarm stands; 1 if the vehicle does
     not answer.
     """
     from mission.topside.looking import look
@@ -201,7 +201,7 @@ def status(to: str, as_json: bool, local: bool, config: Path | None) -> None:
 
 
 def _show_silence(to: str, as_json: bool) -> None:
-    """What the boat knows of a vehicle that does not answer."""
+    """Print what the boat knows of a vehicle that does not answer."""
     from mission.model.alarms import Condition, standing
     from mission.topside.dives import missing
     from mission.topside.overdue import silent_for
@@ -218,7 +218,7 @@ def _show_silence(to: str, as_json: bool) -> None:
 
 
 def _show(looked: Looked, up_by: float | None, as_json: bool) -> None:
-    """``up_by``: s since 1970 UTC, as the boat knows it."""
+    """Print the status. ``up_by``: s since 1970 UTC, from the boat's records."""
     from mission.topside.showing import as_lines, as_object
 
     if as_json:
@@ -236,7 +236,7 @@ def _show_due(up_by: float | None) -> None:
 
 
 def _status_here(config: Path | None, as_json: bool) -> None:
-    """Beyond what the frames of the documents carry: margins, links, black box."""
+    """Print what the documents' frames do not carry: margins, links, black box."""
     from mission.onboard.configuration import ConfigurationError, load_configuration
     from mission.onboard.serve import health
 
@@ -281,9 +281,9 @@ def _converse(to: str, script: Script, as_json: bool = False) -> None:
 def say(
     talk: Callable[[], str], as_json: bool = False, values: Mapping[str, Any] | None = None
 ) -> None:
-    """What a conversation achieved; what failed goes to stderr with exit 1, or 3 where nothing is
-    known to have failed. ``as_json``: one object says either, with the ``values`` of an answer that
-    ``talk`` has put there."""
+    """Run a conversation and print its result. A failure goes to stderr with exit 1; 3 if the
+    command was sent but is not confirmed. ``as_json``: print one object in either case, with the
+    ``values`` of an answer, which ``talk`` has put there."""
     from mission.topside.orders import Unconfirmed
     from mission.topside.upload import OperatorError, Refused
 

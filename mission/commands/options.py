@@ -1,4 +1,4 @@
-"""Options that several commands share, so that they are called and explained alike."""
+"""Options that several commands share, with the same name and help everywhere."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from click.shell_completion import CompletionItem
 
 
 class ShippedOrFile(click.Path):
-    """A path, which the shell also completes with the names of what is shipped, and with what lies
-    here by its suffix. Where none of these fits, the shell completes files as it always does."""
+    """A path, which the shell also completes with the names of shipped files, and with files of
+    this folder that have one of the suffixes. If none fits, the shell completes files as usual."""
 
     def __init__(
         self, names: Callable[[], Iterable[str]], suffixes: Iterable[str], **how: Any
@@ -29,7 +29,7 @@ class ShippedOrFile(click.Path):
 
 
 class LinkUrl(click.ParamType):  # type: ignore[type-arg]  # generic since click 8.3
-    """What cannot be a link's URL was said wrongly: exit 2, before anybody is called silent."""
+    """A link's URL. A wrong one is a usage error (exit 2), found before the link is tried."""
 
     name = "url"
 
@@ -47,7 +47,7 @@ class LinkUrl(click.ParamType):  # type: ignore[type-arg]  # generic since click
 
 
 class LinkUrlOrFile(LinkUrl):
-    """The same, or a file or a name, which has no ://."""
+    """A link's URL, or a file or name, which contains no ``://``."""
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> str:
         return super().convert(value, param, ctx) if "://" in value else str(value)
@@ -120,7 +120,7 @@ AS_JSON = click.option(
 
 
 def tell_confirmed(vehicle: str) -> None:
-    """On standard error, where a campaign flies other signs than the shipped file has."""
+    """Print, on stderr, that a campaign flies with other signs than the shipped file has."""
     from mission.verification.rig.vehicle import CONFIRMED
 
     if vehicle in CONFIRMED:

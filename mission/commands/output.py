@@ -1,4 +1,4 @@
-"""Files that commands are asked to write: by their suffix, and what cannot be written."""
+"""Output files of commands: their format by suffix, and files that cannot be written."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def by_suffix(output: Path, formats: Mapping[str, Format]) -> Format:
 
 @contextmanager
 def writing(path: Path | None) -> Iterator[None]:
-    """Tells what cannot be written within: exit 2. ``path``: the file, if the error names none."""
+    """Turn a write error into a message and exit 2. ``path``: used if the error names no file."""
     try:
         yield
     except OSError as error:
@@ -41,8 +41,8 @@ def writing(path: Path | None) -> Iterator[None]:
 
 
 def refuse_unwritable(file: Path) -> None:
-    """Before the work whose outcome it is to have: exit 2 if it cannot be written. What is in it
-    stays, and what is not there yet is not made."""
+    """Exit 2 if the file cannot be written. Call this before long work whose result it gets. The
+    file's content does not change, and a missing file is not created."""
     there = file.exists()
     with writing(file):
         file.open("ab").close()
@@ -51,7 +51,7 @@ def refuse_unwritable(file: Path) -> None:
 
 
 def make_folder(folder: Path) -> None:
-    """Before the work that fills it: exit 2 if nothing can be written there."""
+    """Create the folder before the work that fills it. Exit 2 if it cannot be written."""
     import tempfile
 
     with writing(folder):
@@ -60,7 +60,7 @@ def make_folder(folder: Path) -> None:
 
 
 def write(output: Path | None, made: str | bytes) -> None:
-    """To the file, or to standard output where none is named. Text is UTF-8. Exit 2 if the file
+    """Write to the file, or to standard output if none is given. Text is UTF-8. Exit 2 if the file
     cannot be written."""
     if output is None:
         click.echo(made, nl=False)

@@ -1,4 +1,4 @@
-"""``auvmission plan``: the planned track with its growing uncertainty, drawn."""
+"""``auvmission plan``: draw the planned track with its growing uncertainty."""
 
 from __future__ import annotations
 
@@ -29,14 +29,14 @@ def plan(
     bathymetry: Path | None,
     as_json: bool,
 ) -> None:
-    """Draw where MISSION means to go: its track in still water, over a grid.
+    """Draw the planned track of MISSION, in still water, over a grid.
 
-    Shows legs, areas, turning points with their times, the depth, and where the vehicle may be by
-    its own estimate with 95 %, which grows until the next fix. A page has beside it by leg what
-    check expects of dives in the current that MISSION assumes. With --bathymetry the sea floor
-    of the file lies under the depth, and the least water under the vehicle is told.
+    Shows legs, areas, turning points with their times, the depth, and the 95 % region of the
+    vehicle's own estimate, which grows until the next fix. An .html page also shows, by leg, what
+    check expects of dives in the current that MISSION assumes. With --bathymetry it draws the
+    file's sea floor under the depth, and prints the least water under the vehicle.
 
-    Exit 0, or 2 if MISSION cannot be read, or does not come to its end in still water.
+    Exit 0, or 2 if MISSION cannot be read, or does not reach its end in still water.
     """
     from mission.authoring.prepare import Unreadable, parameters_of, prepare
     from mission.verification.planned.formats import FORMATS

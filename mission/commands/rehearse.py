@@ -1,4 +1,4 @@
-"""``auvmission rehearse``: a mission flown in many seas that it assumes. Exit 0, 1, 2."""
+"""``auvmission rehearse``: fly a mission in many seas that it assumes. Exit 0, 1, 2."""
 
 from __future__ import annotations
 
@@ -25,8 +25,9 @@ from mission.commands.unreadable import tell_unreadable
 if TYPE_CHECKING:
     from mission.authoring.prepare import Prepared
     from mission.model.vehicle import Vehicle
-    from mission.verification.rehearsing.flights import Flown
+    from mission.verification.rehearsing.flights import Flown, Rehearsed
     from mission.verification.rehearsing.report import Rehearsal
+    from mission.verification.workers.outcome import Lost
 
 
 @click.command()
@@ -55,51 +56,43 @@ def rehearse(
     as_json: bool,
     where: Where,
 ) -> None:
-    """Fly MISSION many times, each in a sea drawn from what it assumes and the vehicle file says.
+    """Fly MISSION many times, each in a sea drawn from its assumptions and the vehicle file.
 
-    Tells how probably it is completed, the spreads of time, energy, position error and coverage,
-    where it comes up (with the regions that hold 50, 90 and 99 % of the flights, for the boat),
-    which legs no flight came to, which limits came near, and the worst ten with the command that
-    flies each again. The same seed tells the same. What --set gives is the same in all flights, and
-    nothing is drawn for it: an assumption changed, or a fault. With --bathymetry the sea floor
-    follows the file, and the least water under the vehicle is told, with how many flights ran
-    aground.
+    Prints the probability that it is completed; the spreads of time, energy, position error and
+    coverage; where it surfaces (with the regions that hold 50, 90 and 99 % of the flights, for the
+    boat); legs that no flight reached; limits that came near; and the worst ten flights, with the
+    command that flies each again. The same seed gives the same result. A value of --set, a changed
+    assumption or a fault, is the same in all flights and is not drawn. With --bathymetry the sea
+    floor follows the file; the least water under the vehicle and the number of flights that ran
+    aground are printed too.
+
+    A flight without a result is printed with the command that flies it again, and counts as
+    `undone`: each interval holds whatever its result would have been.
 
     Exit 0 if all were completed, 1 if not, 2 if MISSION cannot be read, or flown at all.
     """
-    import functools
     import json
 
-    from mission.verification.rehearsing.flights import Flown, rehearsed
+    from mission.verification.rehearsing.flights import Flown, Rehearsed
     from mission.verification.rehearsing.report import as_object, as_text, report_of
     from mission.verification.simulation.flightlog import leg_names
-    from mission.verification.workers.outcome import Lost
-    from mission.verification.workers.progress import with_progress
 
     if output is not None and output.suffix.lower() not in (".png", ".svg", ".html"):
         raise click.UsageError(f"{output}: the suffix says what to write: .png, .svg or .html")
-    named, prepared = _read(mission, vehicle, parameters, as_json)
+    prepared = _read(mission, vehicle, parameters, as_json)
     if output is not None:
         refuse_unwritable(output)
-    tell = functools.partial(click.echo, err=True)
-    floor = "" if bathymetry is None else str(bathymetry.resolve())
+    depths = None if bathymetry is None else depths_of(bathymetry)
     _can_be_set(settings, prepared.vehicle)
-    asked = {"rehearsed": prepared.chart.digest, "seed": seed, **_asked_of(bathymetry)}
-    if settings:
-        asked["set"] = " ".join(settings)
-    with where.keeping(asked, Flown) as kept:
-        made = rehearsed(
-            prepared, vehicle, named, seed, flights, where.place, kept, floor, settings
-        )
-        ended = list(with_progress(made, flights, "flights", tell, kept.count))
-    flown = [one for one in ended if isinstance(one, Flown)]
-    for one in ended:
-        if isinstance(one, Lost):
-            tell(str(one))
+    source = _source(mission, vehicle, parameters, bathymetry)
+    found = _fly(Rehearsed(prepared, seed, depths, settings), flights, where, source)
+    flown = [one for one in found if isinstance(one, Flown)]
+    undone = flights - len(flown)
     if not flown:
+        if as_json:
+            click.echo(json.dumps({"flights": 0, "undone": undone, "seed": seed}))
         raise SystemExit(1)
-    report = report_of(flown, leg_names(prepared.mission), settings)
-    source = _again(mission, vehicle, parameters)
+    report = report_of(flown, leg_names(prepared.mission), settings, undone)
     told = as_object(report, source, seed)
     click.echo(json.dumps(told) if as_json else as_text(report, source, seed))
     if output is not None:
@@ -107,22 +100,57 @@ def rehearse(
     raise SystemExit(0 if report.outcomes.get("completed", 0) == flights else 1)
 
 
-def _read(
-    mission: Path, vehicle: str | None, parameters: Sequence[str], as_json: bool
-) -> tuple[dict[str, str], Prepared]:
-    """The parameters by name, and the mission. What cannot be read ends the command with 2."""
+def _fly(of: Rehearsed, flights: int, where: Where, source: str) -> list[Flown | Lost]:
+    """Fly. Print each flight without a result, with the command that flies it again."""
+    import functools
+
+    from mission.verification.rehearsing.flights import Flown, rehearsed
+    from mission.verification.rehearsing.report import command
+    from mission.verification.workers.outcome import Lost
+    from mission.verification.workers.progress import Progress
+
+    tell = functools.partial(click.echo, err=True)
+    with where.keeping(_asked(of), Flown) as kept:
+        progress = Progress(flights, "flights", tell)
+        found = list(rehearsed(of, flights, where.place, kept, progress))
+    for number, one in enumerate(found):
+        if isinstance(one, Lost):
+            tell(f"{one}\n  again: {command(number, of.settings(number), source, of.seed)}")
+    return found
+
+
+def _asked(of: Rehearsed) -> dict[str, object]:
+    """All that determines the results, except the program."""
+    from dataclasses import fields
+
+    from mission.verification.workers.contents import contents
+
+    asked: dict[str, object] = {
+        "rehearsed": of.prepared.chart.digest,
+        "vehicle": contents(of.prepared.vehicle),
+        "seed": of.seed,
+    }
+    if of.depths is not None:
+        names = [field.name for field in fields(of.depths) if field.name != "source"]
+        asked["bathymetry"] = contents({name: getattr(of.depths, name) for name in names})
+    if of.given:
+        asked["set"] = " ".join(of.given)
+    return asked
+
+
+def _read(mission: Path, vehicle: str | None, parameters: Sequence[str], as_json: bool) -> Prepared:
+    """Read the mission. Exit 2 if it cannot be read."""
     from mission.authoring.prepare import Unreadable, parameters_of, prepare
 
     try:
-        named = parameters_of(parameters)
-        return named, prepare(mission, vehicle, named)
+        return prepare(mission, vehicle, parameters_of(parameters))
     except Unreadable as error:
         tell_unreadable(error, as_json)
         raise SystemExit(2) from None
 
 
 def _can_be_set(settings: Sequence[str], vehicle: Vehicle) -> None:
-    """What is no setting, or cannot be on this vehicle, ends the command with 2."""
+    """Exit 2 if a text is no setting, or not one for this vehicle."""
     from links.simulated.settings import SettingError, parse_settings
     from mission.verification.rig.vehicle import simulated
 
@@ -133,29 +161,22 @@ def _can_be_set(settings: Sequence[str], vehicle: Vehicle) -> None:
         raise SystemExit(2) from None
 
 
-def _again(mission: Path, vehicle: str | None, parameters: Sequence[str]) -> str:
-    """The mission as the shell is told of it, with what makes it the one that was flown."""
+def _source(
+    mission: Path, vehicle: str | None, parameters: Sequence[str], bathymetry: Path | None
+) -> str:
+    """The arguments, quoted for the shell, that give the same mission again."""
     import shlex
 
-    named = [word for text in parameters for word in ("--param", text)]
-    return shlex.join([str(mission), *named, *(["--vehicle", vehicle] if vehicle else [])])
-
-
-def _asked_of(bathymetry: Path | None) -> dict[str, str]:
-    """What tells one file of depths from another, where results are kept. A file that cannot be
-    read ends the command with 2."""
-    from hashlib import sha256
-
-    if bathymetry is None:
-        return {}
-    depths_of(bathymetry)
-    return {"bathymetry": sha256(bathymetry.read_bytes()).hexdigest()[:16]}
+    options = [("--param", text) for text in parameters]
+    options += [("--vehicle", vehicle)] if vehicle else []
+    options += [("--bathymetry", str(bathymetry))] if bathymetry else []
+    return shlex.join([str(mission), *(word for option in options for word in option)])
 
 
 def _write(
     output: Path, report: Rehearsal, flown: Sequence[Flown], source: str, seed: int, name: str
 ) -> None:
-    """The page or the picture, as the suffix says."""
+    """Write the page or the picture, by the suffix."""
     from mission.verification.rehearsing.page import html_page
     from mission.verification.rehearsing.picture import draw_rehearsal
 

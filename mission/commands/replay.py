@@ -1,4 +1,4 @@
-"""``auvmission replay``: the recorded inputs again, and whether the same comes out."""
+"""``auvmission replay``: run the recorded inputs again and compare the outputs."""
 
 from __future__ import annotations
 
@@ -20,9 +20,10 @@ from mission.commands.options import AS_JSON
 def replay(file: Path, rounded: bool, as_json: bool) -> None:
     """Re-run the black box FILE and compare every step, estimate and sent byte.
 
-    Exit 0 if all is there and identical (with --rounded: but for rounding), 1 with the first
-    divergence, 2 if FILE cannot be used, 3 if what is there is the same but records are missing
-    (cut or damaged): which part could be compared is told. Of a recording in parts name any.
+    Exit 0 if the recording is complete and identical (with --rounded: except for rounding), 1 if it
+    differs (the first divergence is printed), 2 if FILE cannot be used, 3 if it is the same but
+    records are missing (cut or damaged; the part that was compared is printed). FILE may be any
+    part of a recording in parts.
     """
     import json
 

@@ -1,4 +1,4 @@
-"""``auvmission report``: dives that are over on one page, smoothed, with what the sensors said."""
+"""``auvmission report``: past dives on one page, with smoothed tracks and sensor readings."""
 
 from __future__ import annotations
 
@@ -41,9 +41,9 @@ def report(
 ) -> None:
     """Make a page of dives: map, depth, sensors, limits, fixes, story, and the smoothed track.
 
-    One HTML file of the black boxes FILE..., in the order of their starts, that needs nothing else.
-    The smoothed track uses the fixes of after the dive, too; with it come innovations, residuals,
-    and when which sensor could not be believed. Exit 2 where a FILE cannot be used.
+    Writes one self-contained HTML file of the black boxes FILE..., in the order of their starts.
+    The smoothed track also uses the fixes after the dive. With it come innovations, residuals, and
+    the times when a sensor could not be believed. Exit 2 if a FILE cannot be used.
     """
     from mission.analysis.report.dive import dives_of
     from mission.analysis.report.words import figures, track_words
@@ -88,7 +88,7 @@ def _check_one(
 def _write(
     dives: Sequence[Dive], page: Path, map_: Path | None, pictures: Path | None
 ) -> list[Path]:
-    """The files that were made. Exit 2 where one cannot be written."""
+    """Write the files and return them. Exit 2 if one cannot be written."""
     from mission.analysis.drawing import draw_track
     from mission.analysis.report.figures import map_of, pictures_of, save
     from mission.analysis.report.page import report_page

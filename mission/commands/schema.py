@@ -1,4 +1,4 @@
-"""``auvmission schema``: the JSON Schema of the YAML form, for editors."""
+"""``auvmission schema``: print the JSON Schema of missions in YAML, for editors."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ def schema() -> None:
     """Print the JSON Schema of missions in YAML.
 
     Save it, and begin a mission with
-    "# yaml-language-server: $schema=mission.schema.json" to have completion and hover in VS Code.
+    "# yaml-language-server: $schema=mission.schema.json" for completion and hover in VS Code.
     """
     from mission.authoring.language.schema import schema_text
 

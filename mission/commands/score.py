@@ -1,4 +1,4 @@
-"""``auvmission score``: the estimate on recordings of real vehicles, beside the references."""
+"""``auvmission score``: score the estimate on recordings of real vehicles with references."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ from mission.commands.options import VEHICLE_NAME
 def score(folder: Path, vehicle: str, without: tuple[str, ...]) -> None:
     """Score the estimate on every recording (CSV) below FOLDER.
 
-    The last line is one JSON object; a table for the eye goes to stderr. Exit 2 where there is
-    nothing to score.
+    The last line is one JSON object; a table for people goes to stderr. Exit 2 if there is nothing
+    to score.
     """
     import json
     import sys

@@ -1,4 +1,4 @@
-"""``--bathymetry FILE``: the depths of a sea floor, for the check and for the simulated sea."""
+"""``--bathymetry FILE``: depths of the sea floor, for the check and the simulated sea."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 
 def depths_of(path: Path) -> Depths:
-    """Exit 2 for a file that cannot be read."""
+    """Read the depths. Exit 2 if the file cannot be read."""
     from mission.authoring.bathymetry import BathymetryError, read_bathymetry
 
     try:

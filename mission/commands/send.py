@@ -1,4 +1,4 @@
-"""``auvmission send``: any word of document 000 to a vehicle; any frame to a port that is free."""
+"""``auvmission send``: any command of document 000 to a vehicle, any frame to a free port."""
 
 from __future__ import annotations
 
@@ -50,15 +50,15 @@ def send(
     link_name: str | None,
     config: Path | None,
 ) -> None:
-    """Say a word of document 000 to the vehicle, and tell what it answers.
+    """Send a command of document 000 to the vehicle, and print its answer.
 
-    WORD is SP, NS, MM and so on; its values have the names of docs/protocol.md. What no vehicle
-    would take is refused here; what the vehicle refuses is told with its reason. Exit 0 when it is
-    acknowledged, or, for words that nothing acknowledges, when the Pi has it; 1 when it is refused
-    or not answered.
+    WORD is SP, NS, MM and so on; its values have the names of docs/protocol.md. Values that no
+    vehicle accepts are refused here. If the vehicle refuses, its reason is printed. Exit 0 if it is
+    acknowledged, or, for commands without acknowledgement, if the Pi has it; 1 if it is refused or
+    not answered.
 
-    With --port a frame of any document (rov.DOWN, ...) goes straight to a board, or bytes as they
-    are: on deck, for tests. Nobody watches then, and nothing is stopped but by the board itself.
+    With --port a frame of any document (rov.DOWN, ...), or raw bytes, are sent directly to a board:
+    for tests on deck. No program watches then, and only the board itself can stop something.
     """
     from mission.commands.words import say_word
 
@@ -94,7 +94,7 @@ def _list() -> None:
 
 
 def _values(word: str | None, pairs: tuple[str, ...]) -> dict[str, Any]:
-    """Numbers as numbers; all else as text, and what is text in the frame, though it be digits."""
+    """Parse NAME=VALUE pairs: JSON values, else text. Text fields of the frame stay text."""
     found, texts = dict[str, Any](), _texts(word)
     for pair in pairs:
         name, equals, value = pair.partition("=")
@@ -109,7 +109,7 @@ def _values(word: str | None, pairs: tuple[str, ...]) -> dict[str, Any]:
 
 
 def _texts(word: str | None) -> set[str]:
-    """Of a frame, the names of values that are no numbers: letters, hexadecimal, times."""
+    """The names of a frame's values that are text: letters, hexadecimal, times."""
     from protocol.examples import examples
     from protocol.vehicles import frame_types
 
@@ -177,7 +177,7 @@ def _frame(word: str, values: dict[str, Any]) -> bytes:
 
 
 def _with_baud(port: str, of: str | None) -> str:
-    """That of the link or frame, where one is named."""
+    """The URL with the baud rate of the link or frame ``of``, if one is named."""
     from links.base import LinkError
     from mission.topside.hearing import with_baud
 
@@ -212,7 +212,7 @@ def _refuse_held(port: str, config: Path | None) -> None:
 def _speak(
     url: str, data: bytes, repeat: tuple[float, float], link_name: str | None, as_json: bool
 ) -> None:
-    """``repeat``: every so many s, for so many s."""
+    """Send ``data``. ``repeat``: every so many s, for so many s."""
     from links.base import LinkError
     from mission.commands.decode import link_row
     from mission.topside import hearing

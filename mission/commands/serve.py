@@ -1,4 +1,4 @@
-"""``auvmission serve``: the Pi's program."""
+"""``auvmission serve``: the program on the Pi."""
 
 from __future__ import annotations
 
@@ -41,8 +41,8 @@ def serve(
 ) -> None:
     """Receive missions, fly them, answer the boat: the program that runs on the Pi.
 
-    Ends with SIGINT or SIGTERM: with the vehicle under way it brings it up first, and ends at once
-    if told again. Links given here overrule the configuration's.
+    Ends on SIGINT or SIGTERM. If the vehicle is under way, serve brings it up first; a second
+    signal ends serve at once. Links given here override the configuration's.
     """
     import json
     import os
@@ -62,7 +62,7 @@ def serve(
         if ready_file is not None:
             try:
                 _write_whole(ready_file, said + "\n")
-            except OSError as error:  # a disk that is full is no reason to be deaf
+            except OSError as error:  # serve must run although the disk is full
                 err.print(printed(f"warning: {ready_file}: {error.strerror}", time.time()))
 
     got = _provided(config, {"vehicle": vehicle, "gps": gps, "topside": topside}, folder)
@@ -94,7 +94,7 @@ def serve(
 def _provided(
     config: Path | None, given: Mapping[str, str | None], folder: Path | None
 ) -> Provision:
-    """What serve runs with; tells what is wrong with it. Exit 2 where nothing can be run."""
+    """What serve runs with. Prints the faults in it. Exit 2 if serve cannot run at all."""
     from mission.onboard.serve.provision import Unusable, provide
 
     try:
@@ -112,7 +112,7 @@ def _provided(
 
 
 def _tell(line: str) -> None:
-    """Before the printer runs, and after it has ended."""
+    """Print a line while no printer runs: before it starts, and after it has ended."""
     import time
 
     from mission.onboard.serve.journal import printed
@@ -121,14 +121,14 @@ def _tell(line: str) -> None:
 
 
 def _write_whole(path: Path, text: str) -> None:
-    """Whoever reads meanwhile finds all of it or nothing."""
+    """Write the file so that a reader finds all of it or nothing."""
     beside = path.with_name(path.name + ".new")
     beside.write_text(text, encoding="utf-8")
     beside.replace(path)
 
 
 class _Events:
-    """What the runtime decides, as JSON lines."""
+    """Print what the runtime decides, as JSON lines."""
 
     def __init__(self, out: Printer) -> None:
         self._out = out
@@ -144,7 +144,7 @@ class _Events:
         self._say("estimate", estimate_record(estimate).payload)
 
     def notice(self, text: str) -> None:
-        """Not for this one."""
+        """Ignore notices."""
 
     def _say(self, kind: str, payload: bytes) -> None:
         self._out.print(f'{{"{kind}":{payload.decode()}}}')

@@ -1,4 +1,4 @@
-"""`auvmission simulate MISSION`: one flight in simulation, as fast as the machine can."""
+"""`auvmission simulate MISSION`: simulate one flight, as fast as the machine can."""
 
 from __future__ import annotations
 
@@ -59,8 +59,8 @@ def simulate(
 ) -> None:
     """Fly MISSION on a simulated vehicle: the real runtime, engine and codecs in one process.
 
-    With --bathymetry the sea floor follows the file; where it knows none it is the one that the
-    mission assumes, else that of --set floor.
+    With --bathymetry the sea floor follows the file. Where the file has no depth, it is the floor
+    that the mission assumes, else that of --set floor.
 
     Exit 0 if the mission was completed, 1 if not, 2 if it cannot be read, or flown at all.
     """
@@ -96,8 +96,8 @@ def _flown(
     settings: tuple[str, ...],
     report: Path | None,
 ) -> tuple[Flight, Flown]:
-    """With page, black box and picture in ``report``; exit 2 if they cannot be written there.
-    Raises SettingError."""
+    """Fly. Write page, black box and picture into the folder ``report``; exit 2 if they cannot be
+    written. Raises SettingError."""
     from mission.verification.simulation.flight import fly
     from mission.verification.simulation.flown import Flown
 
@@ -152,7 +152,7 @@ def _black_box(folder: Path) -> BlackBox:
 
 
 def _report(box: BlackBox, flight: Flight, flown: Flown, folder: Path) -> None:
-    """Raises OSError."""
+    """Write black box, page and picture. Raises OSError."""
     from mission.analysis.report.dive import dives_of
     from mission.analysis.report.page import report_page
     from mission.onboard.blackbox import close_recording

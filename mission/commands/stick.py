@@ -1,4 +1,4 @@
-"""``auvmission stick``: the vehicle by hand, from the keyboard or a joystick."""
+"""``auvmission stick``: steer the vehicle manually, with the keyboard or a joystick."""
 
 from __future__ import annotations
 
@@ -44,16 +44,17 @@ def stick(
     dead_man: int,
     outputs: tuple[str, ...],
 ) -> None:
-    """Steer the vehicle by hand, from this terminal's keys or a joystick (M, every 200 ms).
+    """Steer the vehicle manually, with this terminal's keys or a joystick (M, every 200 ms).
 
-    Hold a key to move. A key counts for 0.75 s, and on while it repeats: what is let go moves
-    nothing more. On a pad the dead man's button has to be held. Whatever is lost, terminal, pad or
-    link, a vehicle that was moved is stopped within 2 s; one that was told nothing goes on. X is
-    said every second until it is acknowledged. In an emergency let go for 2 s, then push.
+    Hold a key to move. A key counts for 0.75 s, and longer while it repeats. On a pad the dead
+    man's button has to be held. If terminal, pad or link is lost, a vehicle that was moved is
+    stopped within 2 s; one that was sent nothing continues. X is sent every second until it is
+    acknowledged. In an emergency let go for 2 s, then push.
 
-    What moves or holds the vehicle by the side of its setpoint (--output) works here, or by legs.
+    Outputs that move or hold the vehicle beside its setpoint (--output) can be set here, or by
+    legs.
 
-    One line shows what is sent and what comes back. Exit 0 when you ended it, 1 when something is
+    One line shows what is sent and what is answered. Exit 0 if you ended it, 1 if something is
     lost.
     """
     from mission.topside.keyboard import Keyboard
@@ -112,7 +113,7 @@ def _joystick(axes: tuple[int, int, int], dead_man: int, gear: int) -> Joystick:
 
 @contextmanager
 def _terminal() -> Iterator[int]:
-    """Its descriptor, without waiting for the end of a line; as it was before, afterwards."""
+    """Yield the terminal's descriptor in cbreak mode; restore its mode afterwards."""
     import termios
     import tty
 
@@ -131,7 +132,7 @@ def _terminal() -> Iterator[int]:
 
 
 def _leave(number: int, _: FrameType | None) -> NoReturn:
-    """Through the end of everything that is open: the last words are said."""
+    """Exit through the end of all that is open, so that the last commands are still sent."""
     raise SystemExit(1)
 
 
@@ -152,7 +153,7 @@ def _opened(pad: Path | None) -> Iterator[int | None]:
 
 
 class _Line:
-    """Written over in a terminal; elsewhere a line whenever what is sent changes."""
+    """One line, overwritten in a terminal; elsewhere nothing is printed."""
 
     def __init__(self) -> None:
         self._terminal, self._last = sys.stdout.isatty(), ""

@@ -1,4 +1,4 @@
-"""``auvmission story``: a dive as a person would tell it."""
+"""``auvmission story``: tell a dive in words."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ from mission.commands.output import write
 def story(files: tuple[Path, ...], form: str, output: Path | None) -> None:
     """Tell a dive from its black boxes FILES: what was flown, and why.
 
-    The mission, its legs with the guard that ended each, limits with the least that was left,
+    Tells the mission, its legs with the guard that ended each, limits with the least margin,
     alarms, refusals, and every command to the vehicle with its reason. Several files are told in
-    the order of their starts, with the restart between two. Exit 2 where a file cannot be used.
+    the order of their starts, with the restart between two. Exit 2 if a file cannot be used.
     """
     from mission.analysis.journal import recordings
     from mission.analysis.story import story as told

@@ -1,4 +1,4 @@
-"""What is wrong with a mission, on stderr for people, and with ``--json`` on stdout as data."""
+"""Print the errors of a mission: on stderr for people, and with ``--json`` on stdout as data."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
 
 def tell_unreadable(error: Diagnosed, as_json: bool) -> None:
-    """The object is that of ``check --json``: each with its place, its code and its hint."""
+    """Print the errors. The object is that of ``check --json``: place, code and hint of each."""
     import json
 
     from mission.authoring.check.show import unreadable_object

@@ -1,4 +1,4 @@
-"""``auvmission vehicle``: a simulated vehicle to practise with, as a process of its own."""
+"""``auvmission vehicle``: simulate a vehicle to practise with, as a process of its own."""
 
 from __future__ import annotations
 
@@ -54,12 +54,12 @@ def vehicle(
     track: Path | None,
     as_json: bool,
 ) -> None:
-    """Simulate a vehicle (auv, coreboard, rov, robot, mainboard, motorboards) on ports from here.
+    """Simulate a vehicle (auv, coreboard, rov, robot, mainboard, motorboards) on ports made here.
 
-    Its board, and the AUV's GPS receiver, are at FOLDER/vehicle and FOLDER/gps, as if plugged in,
-    and sensors that --set adds at FOLDER/sensors; FOLDER/serve.yaml is a configuration for them.
-    Then, in other terminals: serve, and the commands of the boat. Ctrl-C ends it. The motor boards
-    are on a CAN bus: by default one by UDP multicast, which needs neither hardware nor root.
+    Its board is at FOLDER/vehicle, the AUV's GPS receiver at FOLDER/gps, and sensors that --set
+    adds at FOLDER/sensors, as if plugged in. FOLDER/serve.yaml is a configuration for them. Then
+    run serve and the commands of the boat in other terminals. Ctrl-C ends it. The motor boards are
+    on a CAN bus: by default one by UDP multicast, which needs neither hardware nor root.
     """
     from links.base import LinkError
     from links.simulated.boards import ON_BUS, SimulatedBoard
@@ -107,7 +107,7 @@ def vehicle(
 def _made(
     name: str, profile: str | None, seed: int, texts: tuple[str, ...], place: tuple[float, float]
 ) -> Simulated:
-    """Raises ValueError."""
+    """The simulated vehicle. Raises ValueError."""
     from links.simulated.settings import parse_settings
     from mission.model.shipped import load_vehicle
     from mission.verification.rig.vehicle import in_dialect, simulated
@@ -118,7 +118,7 @@ def _made(
 
 
 def _room(folder: Path) -> Path:
-    """The configuration's place; one that somebody else has written is left alone."""
+    """Make the folder; return the path of its configuration. Exit 2 if that is another's."""
     config = folder / "serve.yaml"
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -130,12 +130,12 @@ def _room(folder: Path) -> Path:
 
 
 def _on_bus(bus: str, paths: tuple[str, ...]) -> str:
-    """With the line of the sensor board, where there is one."""
+    """The bus's URL, with the line of the sensor board if there is one."""
     return "".join((bus, *(f"{'&' if '?' in bus else '?'}sensors={path}" for path in paths)))
 
 
 def _plugged(folder: Path, names: tuple[str, ...], paths: tuple[str, ...]) -> dict[str, str]:
-    """The ports under names that stay."""
+    """Link the ports to fixed names in ``folder``. Return their URLs by name."""
     ports = {}
     for label, path in zip(names, paths, strict=True):
         (folder / label).unlink(missing_ok=True)

@@ -1,4 +1,4 @@
-"""``auvmission watch``: a vehicle under way, a dive of before or a simulated one, full screen."""
+"""``auvmission watch``: show a live, recorded or simulated dive, full screen."""
 
 from __future__ import annotations
 
@@ -29,10 +29,10 @@ def watch(
 ) -> None:
     """Watch a vehicle on one screen: alarms, state, leg, place, margins, journal.
 
-    SOURCE is a monitor's URL, a black box (then as fast as --speed), or a mission, which is
-    simulated. X and W take one press, start and clear a second one; commands go to --to.
+    SOURCE is a monitor's URL, a black box (played at --speed), or a mission, which is simulated. X
+    and W need one key press, start and clear two. Commands are sent to --to.
 
-    Exit 0 when you ended it, 2 when SOURCE is none of these.
+    Exit 0 if you ended it, 2 if SOURCE is none of these.
     """
     try:
         from mission.topside.dives import default_folder
@@ -66,7 +66,7 @@ def _source(text: str, speed: float, seed: int, settings: tuple[str, ...]) -> So
 
 
 def recorded(text: str, seed: int = 0, settings: tuple[str, ...] = ()) -> list[Record]:
-    """A black box, or a mission that is simulated. Raises ValueError, OSError, BlackBoxError."""
+    """Records of a black box or a simulated mission. Raises ValueError, OSError, BlackBoxError."""
     if Path(text).suffix != ".mcap":
         return _simulated(text, seed, settings)
     from mission.onboard.blackbox import read_parts

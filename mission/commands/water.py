@@ -1,4 +1,4 @@
-"""``auvmission water``: what an acoustic modem makes of a conversation, between two processes."""
+"""``auvmission water``: simulate the acoustic channel between two processes."""
 
 from __future__ import annotations
 
@@ -40,8 +40,9 @@ def water(
 ) -> None:
     """Simulate two acoustic modems and the water between them, in real time.
 
-    FOLDER/boat is the boat's modem, FOLDER/vehicle the one for links.modem of serve. Half duplex:
-    who talks hears nothing. A line a burst tells who says how much. Ctrl-C ends it, with the sum.
+    FOLDER/boat is the boat's modem, FOLDER/vehicle the one for links.modem of serve. Half duplex: a
+    modem that sends receives nothing. Prints sender and size of each burst. Ctrl-C ends it and
+    prints the totals.
     """
     import json
 

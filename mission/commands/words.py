@@ -1,4 +1,4 @@
-"""``auvmission limits | time | nodes | power | rudder | output``: what operators set by hand."""
+"""``auvmission limits | time | nodes | power | rudder | output``: the operators' settings."""
 
 from __future__ import annotations
 
@@ -35,9 +35,9 @@ def limits(
     to: str,
     as_json: bool,
 ) -> None:
-    """Set today's limits (@SP); what is not given stays as it was.
+    """Set today's limits (@SP). Limits that are not given stay as they were.
 
-    In force is the tightest of these, the mission's and the vehicle's own.
+    The tightest is in force: of these, the mission's, and the vehicle's own.
     """
     from protocol.topside_frames import MOST
 
@@ -65,7 +65,7 @@ def limits(
 @TO
 @AS_JSON
 def time(at: str | None, zone: str | None, to: str, as_json: bool) -> None:
-    """Set the vehicle's clock to the local time (@ST): its stamps, and nothing that decides.
+    """Set the vehicle's clock to the local time (@ST). Only time stamps use it, no decision.
 
     In idle only, and not by modem.
     """
@@ -94,7 +94,7 @@ def nodes(changes: tuple[str, ...], to: str, as_json: bool) -> None:
     """Show which nodes are open (@NI), or open and close some (@NS).
 
     STM32, BDGPS, UACM, CAMERA, AUTO; the Pi is shown, too, and never closed. Closing AUTO ends a
-    mission, and nothing turns by itself until it is open again.
+    mission. No thruster turns by itself until AUTO is open again.
     """
     from mission.topside.switches import nodes as script
     from protocol.topside_frames import NODES
@@ -111,8 +111,8 @@ def nodes(changes: tuple[str, ...], to: str, as_json: bool) -> None:
 def power(changes: tuple[str, ...], to: str, as_json: bool) -> None:
     """Show which devices have power (@RI), or switch some on and off (@RS).
 
-    CTD, altimeter, BDGPS, UACM, radio, magnetometer, light; CTD and radio stay on. Of BDGPS and
-    UACM the node has to be closed before.
+    CTD, altimeter, BDGPS, UACM, radio, magnetometer, light; CTD and radio stay on. The nodes of
+    BDGPS and UACM have to be closed first.
     """
     from mission.topside.switches import power as script
     from protocol.topside_frames import ALWAYS_ON, SENSORS
@@ -147,7 +147,7 @@ def _changes(
 def rudder(servo: str, angle: int, step: bool, to: str, as_json: bool) -> None:
     """Turn a rudder to DEG, -15 to 22, up positive (@D); the vehicle stays in its mode.
 
-    Exit 0 when the Pi has it: no frame tells that it turned.
+    Exit 0 if the Pi has the command: no frame reports that the rudder turned.
     """
     from protocol.topside_frames import RUDDER_TRAVEL
 
@@ -166,18 +166,18 @@ def rudder(servo: str, angle: int, step: bool, to: str, as_json: bool) -> None:
 def output(name: str, value: float, to: str, as_json: bool) -> None:
     """Set an output by its name in the vehicle file (@AO): a lamp, a servo, a switch.
 
-    Refused where the mission under way or an emergency holds it, and outside its bounds. Every
-    emergency makes it safe; what moves or holds the vehicle works under the stick alone.
+    Refused if the mission under way or an emergency holds it, or outside its bounds. Every
+    emergency makes it safe. Outputs that move or hold the vehicle work only under the stick.
     """
     number = int(value) if value.is_integer() else value
     say_word(to, "AO", {"name": name, "value": number}, as_json)
 
 
-# --- a word and its answer, told -----------------------------------------------------------------
+# --- a command and its answer, printed -----------------------------------------------------------
 
 
 def say_word(to: str, word: str, values: Mapping[str, Any], as_json: bool) -> None:
-    """Exit 2 for what cannot be said at all."""
+    """Send a command and print the answer. Exit 2 if it cannot be encoded."""
     from mission.topside.underwater import PREFIX
     from mission.topside.words import command, say
     from protocol.codec import CannotEncode
@@ -200,8 +200,8 @@ def say_script(
     as_json: bool,
     name: str,
 ) -> None:
-    """With ``as_json``: whether it is done, what is said of it, and under ``name`` the values of an
-    answer that has any. Exit codes as of the other commands of the boat."""
+    """Run a script and print its result. ``as_json``: print whether it is done, the text, and under
+    ``name`` the values of an answer that has some. Exit codes as in the boat's other commands."""
     from mission.topside.console import converse
 
     told: dict[str, Any] = {}

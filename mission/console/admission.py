@@ -1,11 +1,12 @@
-"""Who may ask: only the page that was opened from here, and only under our own name.
+"""Access control: only the page that was opened from here, and only under our own host name.
 
     Host is ours --no--> 421      Origin, where there is one, is ours --no--> 403
     the page's own files --> all others need the token: a header, or of a WebSocket a subprotocol
 
-A page of another origin can make the browser ask, but cannot know the token; one that has pointed a
-name of its own at 127.0.0.1 comes with another Host. No cookie: on the loopback those of one port
-are sent to all. Whatever is answered forbids the page to load anything from anywhere else.
+A page of another origin can make the browser send requests, but cannot know the token. A page that
+points a name of its own at 127.0.0.1 comes with another Host. No cookie is used: on the loopback
+interface, cookies of one port are sent to all ports. Every answer forbids the page to load anything
+from anywhere else.
 """
 
 from __future__ import annotations
@@ -17,8 +18,8 @@ from collections.abc import Iterable
 from starlette.responses import JSONResponse
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-PROTOCOL = "auvmission"  # of the WebSockets
-TOKEN = "token."  # what begins the subprotocol that shows it
+PROTOCOL = "auvmission"  # subprotocol of the WebSockets
+TOKEN = "token."  # the subprotocol with the token begins so
 OPEN = ("/", "/favicon.ico")
 FILES = "/page/"
 HEADERS = {
@@ -37,7 +38,7 @@ Headers = Iterable[tuple[bytes, bytes]]
 
 
 class Admission:
-    """ASGI around ``app``."""
+    """ASGI wrapper around ``app``."""
 
     def __init__(self, app: ASGIApp, port: int, token: str) -> None:
         self._app, self._token = app, token
@@ -52,11 +53,11 @@ class Admission:
             await self._answer(scope, receive, _with_headers(send))
         elif not status:
             await self._app(scope, receive, _with_headers(send))
-        else:  # of a WebSocket, too: it is answered instead of opened
+        else:  # also for a WebSocket: an HTTP answer instead of opening it
             await JSONResponse({"says": why}, status)(scope, receive, _with_headers(send))
 
     async def _answer(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Of the console's end its own words, where what is asked takes longer."""
+        """If the console ends before the answer has begun, say so."""
         has_begun = False
 
         async def sent(message: Message) -> None:
@@ -71,7 +72,7 @@ class Admission:
                 await JSONResponse({"says": "the console ends"}, 503)(scope, receive, send)
 
     def _refusal(self, scope: Scope) -> tuple[int, str]:
-        """The status, 0 for who may ask, and why."""
+        """Return the status, 0 if access is allowed, and the reason."""
         hosts, origins = _all(scope["headers"], b"host"), _all(scope["headers"], b"origin")
         if len(hosts) != 1 or hosts[0] not in self._hosts:
             return 421, "this console answers to 127.0.0.1 and localhost alone"

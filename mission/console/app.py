@@ -100,7 +100,7 @@ class _Console:
         return _nothing("no such vehicle") if one is None else JSONResponse(one.plan())
 
     async def planned(self, request: Request) -> Response:
-        """What is on board, in still water."""
+        """Return the plan on board, in still water."""
         one = self._shown.get(request.path_params["ident"])
         plan = {} if one is None else one.plan()
         if one is None or not plan["digest"]:
@@ -129,7 +129,7 @@ class _Console:
 
     @property
     def _vehicle(self) -> str | None:
-        """The file of the first that has one: what missions are checked for."""
+        """The vehicle file of the first live vehicle; missions are checked for it."""
         live = (one for one in self._shown.values() if isinstance(one, Vehicle))
         return next((one.given.vehicle for one in live), None)
 
@@ -190,7 +190,7 @@ def _shipped() -> list[dict[str, str]]:
 
 
 async def _file(request: Request) -> Response:
-    """Of the page's folder in the package, and from nowhere else."""
+    """Serve a file of the page's folder in the package, and nothing else."""
     name = request.path_params.get("name", "index.html")
     kind = KINDS.get(name.rpartition(".")[2])
     parts = name.split("/")

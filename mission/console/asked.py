@@ -1,4 +1,4 @@
-"""What a page posts: one JSON object of a bounded size, and what it is told where that is wrong."""
+"""Posts of a page: one JSON object of limited size, and the error answers."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from starlette.requests import Request
 from starlette.responses import JSONResponse, Response
 
 BODY = 1 << 20  # bytes
-AT_ONCE = 2  # texts, charts: more take turns, and the vehicle's own threads stay free
+AT_ONCE = 2  # texts and charts: more have to wait, and the vehicle's own threads stay free
 Said = dict[str, Any]
 P = ParamSpec("P")
 T = TypeVar("T")
@@ -21,8 +21,8 @@ Answer = Callable[[Said], Awaitable[Any]]
 
 
 class Refused(Exception):
-    """What somebody asks for cannot be done; it says why, and what instead. No fault of the page:
-    a browser tells faults on its console."""
+    """The request cannot be done; the message says why, and what to do instead. It is no fault of
+    the page: a browser reports faults on its console."""
 
     def __init__(self, says: str, status: int = 200) -> None:
         super().__init__(says)
@@ -30,14 +30,14 @@ class Refused(Exception):
 
 
 async def worked(work: Callable[P, T], *args: P.args, **more: P.kwargs) -> T:
-    """Runs ``work`` in threads of the console's own. The few threads of the event loop are left to
-    the vehicles, for looking up names and judging uploads."""
+    """Run ``work`` in the console's own threads. The few threads of the event loop stay free for
+    the vehicles: name look-ups and checks of uploads."""
     return await asyncio.get_running_loop().run_in_executor(_workers, lambda: work(*args, **more))
 
 
 async def answered(request: Request, answer: Answer, needs: str, most: int = BODY) -> Response:
-    """``answer`` gets what was posted; it may raise Refused, and KeyError, TypeError or ValueError
-    where it is not what it ``needs``."""
+    """Pass the posted object to ``answer``, which may raise Refused, and KeyError, TypeError or
+    ValueError if the object is not what it ``needs``."""
     try:
         said = json.loads(await _body(request, most))
         return JSONResponse(await answer(said))

@@ -1,8 +1,8 @@
-"""What the pages of a vehicle are sent: the monitor's own frames, of what is known here. Sans-IO.
+"""The frames for a vehicle's pages: the monitor's own, with what the console knows. Sans-IO.
 
     Watched, and what the console itself knows --> Monitor --> a frame for each page
 
-When the vehicle begins anew, or a recording goes back, so do the frames: the next is number 1.
+When the vehicle restarts, or a recording goes back, the frames start again at number 1.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from mission.onboard.serve.monitor import MOST_BYTES, Monitor
 from mission.topside.monitor import Watched
 
 _WISH = json.dumps({"wish": {"bytes": MOST_BYTES, "plan": False, "past": "all"}}).encode() + b"\n"
-BACK_S = 1.0  # that the vehicle's time may go back within one run
+BACK_S = 1.0  # the vehicle's time may go back so far within one run
 
 
 class Board:
@@ -37,7 +37,7 @@ class Board:
         self._monitor.disconnected(page)
 
     def answer(self, page: str, number: object, now: float) -> None:
-        """Another number than the newest is that of a frame from before it all began anew."""
+        """Take an acknowledgement. Another number than the newest is from before a restart."""
         viewer = self._monitor.viewers.get(page)
         if viewer is not None and viewer.unanswered and number == viewer.number:
             self._monitor.receive(page, b'{"ack":%d}\n' % viewer.number, now)
@@ -54,7 +54,7 @@ class Board:
     def frame(
         self, page: str, watched: Watched, state: Mapping[str, Any], t: float, now: float
     ) -> bytes:
-        """b"" where nothing is new. ``state``: that of ``watched``, and more; ``t``: the vehicle's
+        """b"" if nothing is new. ``state``: that of ``watched``, and more. ``t``: the vehicle's
         time now, read after the state, so that no age is too small."""
         self._follow(watched, now)
         return self._monitor.frame(page, state, t, now)
@@ -80,7 +80,7 @@ class Board:
 
 
 def _fresh(track: list[Any], known: list[Any]) -> list[Any]:
-    """The newest first: behind what is known, and of the newest run alone."""
+    """Return the points after the known ones, newest first, of the newest run only."""
     last = known[-1][0] if known else -math.inf
     found: list[Any] = []
     for point in reversed(track):

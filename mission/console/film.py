@@ -1,8 +1,9 @@
-"""A recording that was run again, kept as frames: what stood at any time is found without a run.
+"""A recording that was run again and kept as frames: any time is found without running it.
 
     records --Playback, ``EVERY_S`` at a time--> frames --at(t)--> Watched, as it was then
 
-A frame is some 100 bytes: 20 MB for a day. What does not live here: where it stands (recording).
+A frame has about 100 bytes: 20 MB for a day. What does not live here: the playing position
+(recording).
 """
 
 from __future__ import annotations
@@ -18,18 +19,18 @@ from mission.model import Record
 from mission.model.past import Past
 from mission.topside.monitor import EVENTS, TRACK, Watched
 
-EVERY_S = 0.5  # of the recording, between two frames
+EVERY_S = 0.5  # s of the recording between two frames
 KEY = 200  # frames between two whole states
 
 
 class Film:
-    """Raises ValueError where the records begin with no start of this version."""
+    """Raises ValueError if the records do not begin with a start of this version."""
 
     def __init__(self, records: Sequence[Record]) -> None:
         self._playback = Playback(records)
         self.end = self._playback.end
         self.problem = ""  # why it ends before ``end``
-        self.until = 0.0  # that it has been run to
+        self.until = 0.0  # it has been run up to here
         self._times: list[float] = []
         self._frames: list[bytes] = []
         self._sizes: list[tuple[int, int, int]] = []  # events, track and plan so far
@@ -46,7 +47,8 @@ class Film:
         return self.until >= self.end or bool(self.problem)
 
     def extend(self) -> None:
-        """By a frame. What cannot be run is told, and the film ends there."""
+        """Add a frame. If the recording cannot be run, ``problem`` says so and the film ends
+        there."""
         if not self.over:
             self._run_to(min(self.end, self.until + EVERY_S))
 
@@ -75,13 +77,13 @@ class Film:
         self._sizes.append((len(self._events), len(self._track), len(self._plan)))
 
     def seen(self, t: float) -> float:
-        """The time from which on what happens at ``t`` is on a frame."""
+        """Return the time of the first frame that shows what happens at ``t``."""
         return min(math.ceil(t / EVERY_S) * EVERY_S, self.end)
 
     # --- what stood then -----------------------------------------------------------------------
 
     def at(self, t: float, now: float) -> Watched:
-        """``now``: of this computer, when it is looked at."""
+        """Return what a viewer knew at ``t``. ``now``: this computer's time."""
         watched, count = Watched(), bisect_right(self._times, t)
         if not count:
             return watched
@@ -103,6 +105,6 @@ class Film:
         return state
 
     def between(self, before: float, t: float) -> list[dict[str, Any]]:
-        """The frames after one time up to another."""
+        """Return the frames after ``before`` up to ``t``."""
         first, last = bisect_right(self._times, before), bisect_right(self._times, t)
         return [json.loads(line) for line in self._frames[first:last]]

@@ -1,10 +1,10 @@
-"""A ghost flight, in a process of its own: a text flown in a sea, and where it would have been.
+"""A ghost flight, in a process of its own: a text flown in a simulated sea, and its track.
 
     python -m mission.console.flying < {"do", "text", "source", "vehicle", "settings", "seed"}
 
-One JSON object comes out: the flight as the page draws it (docs/design/console.md), or ``says``,
-why there is none; of ``plan`` the way that is meant, in still water. What does not live here: who
-asks, and how long it may take (ghost).
+The output is one JSON object: the flight as the page draws it (docs/design/console.md), or ``says``
+with the reason why there is none. For ``plan``: the planned track in still water. What does not
+live here: who asks, and how long it may take (ghost).
 """
 
 from __future__ import annotations
@@ -27,10 +27,10 @@ from mission.verification.simulation.flight import fly
 from mission.verification.simulation.flightlog import Flight, Sample
 
 _T = TypeVar("_T")
-_MOST = 1500  # places of the track
+_MOST = 1500  # points of the track
 _MOST_TURNS = 300
-_LOWER = 5  # than the console's own process: X and W go first
-_UNDER, _UP = 1.0, 0.5  # m: below the one it has dived, above the other it has come up
+_LOWER = 5  # nice: lower than the console's own process, X and W go first
+_UNDER, _UP = 1.0, 0.5  # m: it has dived if deeper, surfaced if shallower
 
 
 def flown(said: dict[str, Any]) -> dict[str, Any]:
@@ -63,8 +63,8 @@ def flown(said: dict[str, Any]) -> dict[str, Any]:
 
 
 def _drawn(flight: Flight, mission: Mission) -> dict[str, Any]:
-    """``track``: where it truly was; ``believed``: the estimate, with its ellipse; ``up``: where it
-    came up."""
+    """``track``: the true positions; ``believed``: the estimate, with its ellipse; ``up``: where
+    the vehicle surfaced."""
     if mission.home is None:
         return {"track": [], "believed": [], "up": []}
     frame = LocalFrame(mission.home)
@@ -90,7 +90,7 @@ def _degrees(frame: LocalFrame, north: float, east: float) -> tuple[float, float
 
 
 def _ellipse(sample: Sample) -> list[float]:
-    """Half axes, m, and the bearing of the long one, deg."""
+    """Return the half axes, m, and the bearing of the long one, deg."""
     great, small, direction = principal(sample.estimate.covariance)
     bearing = math.degrees(direction) % 180.0
     return [round(great * PLANE_95, 2), round(small * PLANE_95, 2), round(bearing, 1)]
@@ -110,7 +110,7 @@ def _risen(samples: Sequence[Sample]) -> Iterator[Sample]:
 
 
 def meant(said: dict[str, Any]) -> dict[str, Any]:
-    """``track``: where it means to be; ``turns``: where legs turn and end, with an ellipse."""
+    """``track``: the planned positions; ``turns``: where legs turn and end, with an ellipse."""
     try:
         prepared = prepare_text(said["text"], said["source"], said["vehicle"])
         if prepared.mission.home is None:

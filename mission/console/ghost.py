@@ -1,11 +1,11 @@
-"""Ghost flights: each in a process of its own, which ends with who asked for it.
+"""Ghost flights: each in a process of its own, which ends with the page that asked for it.
 
     /ws/ghost   page -> {"do": "fly", "text", "source", "settings", "seed"} | {"do": "cancel"}
                         {"do": "plan", "text", "source"}    the same in still water: what is planned
 
-The console's loop never waits for one: it flies elsewhere, is bounded in time and in number, and
-the next of the same page takes its place. Those in still water have a place of their own, one for
-all, and wait for it; the last few are kept.
+The console's loop never waits for a flight: it runs in another process and is limited in time and
+number. A new flight of the same page replaces it. Flights in still water share a single place, and
+wait for it; the last few results are kept.
 """
 
 from __future__ import annotations
@@ -19,8 +19,8 @@ from collections.abc import Awaitable, Callable
 from mission.console.asked import BODY, Said
 
 LONGEST_S = 300.0
-AT_ONCE = 2  # of all pages
-KEPT = 8  # of those in still water
+AT_ONCE = 2  # flights of all pages together
+KEPT = 8  # results in still water
 OUTPUT = 8 << 20  # bytes
 LEAVE_TICKS, TICK_S = 200, 0.01
 _MODULE = "mission.console.flying"
@@ -28,7 +28,7 @@ Tell = Callable[[Said], Awaitable[None]]
 
 
 class Ghosts:
-    """Those that fly for a console's pages. ``longest``: s that one may take."""
+    """The flights of a console's pages. ``longest``: s that one may take."""
 
     def __init__(self, longest: float = LONGEST_S) -> None:
         self._longest = longest
@@ -38,7 +38,7 @@ class Ghosts:
         self._known: dict[bytes, Said] = {}
 
     async def fly(self, said: Said, vehicle: str | None, tell: Tell) -> None:
-        """Tells ``flying``, and then ``done`` or ``refused``; a cancellation ends the process."""
+        """Tell ``flying``, then ``done`` or ``refused``; a cancellation ends the process."""
         if self.under_way >= AT_ONCE:
             await tell({"is": "refused", "says": f"{AT_ONCE} flights are under way already"})
             return
@@ -50,7 +50,7 @@ class Ghosts:
             self.under_way -= 1
 
     async def end(self) -> None:
-        """With the console: those that fly are told, and waited for."""
+        """End all flights with the console, and wait for them."""
         for process in self._alive:
             _kill(process)
         for _ in range(LEAVE_TICKS):
@@ -59,7 +59,7 @@ class Ghosts:
             await asyncio.sleep(TICK_S)
 
     async def plan(self, said: Said, vehicle: str | None, tell: Tell) -> None:
-        """Tells ``planned`` or ``refused``."""
+        """Tell ``planned`` or ``refused``."""
         await tell(await self.planned(said, vehicle))
 
     async def planned(self, said: Said, vehicle: str | None) -> Said:
@@ -87,7 +87,7 @@ class Ghosts:
             return {"is": "refused", "says": f"it takes longer than {longest:g} s"}
         finally:
             _kill(process)
-            await process.communicate()  # to the end of its pipes, so that they are closed
+            await process.communicate()  # read its pipes to the end, so that they are closed
             self._alive.discard(process)
         if process.returncode:
             last = error.decode(errors="replace").strip().rpartition("\n")[2][:200]
@@ -104,7 +104,7 @@ def _kill(process: asyncio.subprocess.Process) -> None:
 
 
 def _job(said: Said, vehicle: str | None, do: str = "fly") -> bytes:
-    """Raises KeyError, TypeError or ValueError for what no page says."""
+    """Raises KeyError, TypeError or ValueError for a malformed request."""
     text, source, settings = str(said["text"]), str(said["source"]), list(said["settings"])
     if len(text) > BODY or len(settings) > 100:
         raise ValueError("that is no flight")

@@ -1,8 +1,8 @@
-"""What is known of a dive afterwards: its whole track, as it was estimated then and as it is now.
+"""The whole track of a dive afterwards: as estimated on board, and as smoothed now.
 
     records --report's Dive--> one object (docs/design/console.md)
 
-Then: the vehicle's own estimate. Now: the smoother's, which knows the fixes after a time, too.
+``then`` is the vehicle's own estimate. ``now`` is the smoother's, which also uses later fixes.
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ def _smoothed(dive: Dive) -> list[list[float]]:
 
 
 def _thinned(points: Sequence[Any]) -> list[Any]:
-    """First and last among them."""
+    """Thin out points, keeping the first and the last."""
     if len(points) <= MOST:
         return list(points)
     return [points[i] for i in np.linspace(0, len(points) - 1, MOST).astype(int)]

@@ -1,10 +1,10 @@
-"""What a page asks for, a row each; every answer says what became of it.
+"""The commands that a page can send ("intents"), one row each; every answer says what became of it.
 
     {"id", "at", "do", ...} --too old, unknown--> refused
                             --row--> a conversation with the vehicle --> acknowledged | refused |
                                                                          unanswered
 
-Who asks says when the finger moved: what is older than ``FRESH_S`` is no wish of now. X and W are
+The page sends the time of the press: an intent older than ``FRESH_S`` no longer counts. X and W are
 not here (orders).
 """
 
@@ -44,7 +44,7 @@ Told = Callable[..., None]
 
 
 class Malformed(ValueError):
-    """A page that says what no page says."""
+    """A message that no page sends."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,7 +61,7 @@ class Asked:
 
 
 async def obey(vehicle: Vehicle, said: Said, told: Told) -> None:
-    """``told`` gets what becomes of it. Raises Malformed."""
+    """Carry out an intent. ``told`` gets its states. Raises Malformed."""
     row = DO.get(str(said.get("do")))
     at = said.get("at")
     if row is None or not isinstance(at, int | float):
@@ -126,7 +126,7 @@ async def _word(asked: Asked) -> str:
 
 
 async def _take(asked: Asked) -> str:
-    """By the word that changes nothing: limits, none of them said."""
+    """Take the command with a frame that changes nothing: @SP without any limit."""
     await _say(asked, say(command("SP", {}), under_water=asked.vehicle.under_water))
     return "the command is taken"
 
@@ -175,7 +175,7 @@ async def _upload(asked: Asked) -> str:
 
 
 def _judged(text: str, source: str, vehicle: str | None) -> tuple[Prepared, Proved]:
-    """Raises Refused with what the check says."""
+    """Raises Refused with the check's findings."""
     try:
         prepared = prepare_text(text, source, vehicle)
     except Unreadable as error:

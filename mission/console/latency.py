@@ -1,9 +1,10 @@
-"""How long a vehicle's answer takes over one connection, by the beat that is asked anyway. Sans-IO.
+"""The round-trip time of one connection, measured with the beat (@AE), which is sent anyway.
+Sans-IO.
 
     @AE leaves --asked--> waiting --its answer, in the same order (TCP keeps it)--> s of the way
 
-What is asked over a long way is no sooner answered for being asked again, and what is given up
-before its answer can be there is told to have come to nothing though it was done.
+On a slow link a retry brings no earlier answer. And a request that is given up before its answer
+can arrive would be reported as failed though it was done.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ from protocol.messages import StateReport
 from protocol.topside import ConsoleCodec
 
 OF = 8  # answers: the slowest of them counts
-WAITING = 60  # a program that knows no @AE answers none
+WAITING = 60  # beats: a program without @AE answers none
 
 
 class Latency:
@@ -27,7 +28,7 @@ class Latency:
         self.connected()
 
     def connected(self) -> None:
-        """Anew: what was asked before is not answered any more."""
+        """Reset: earlier requests are no longer answered."""
         self._codec = ConsoleCodec()
         self._asked: deque[float] = deque(maxlen=WAITING)
         self._has_heard = False
@@ -36,7 +37,7 @@ class Latency:
         self._asked.append(now)
 
     def heard(self, data: bytes, now: float) -> StateReport | None:
-        """The last state that it tells."""
+        """Return the last state in the data."""
         found, self._has_heard = None, True
         for answer in self._codec.receive(data, now):
             if isinstance(answer, StateReport):
@@ -47,11 +48,11 @@ class Latency:
 
     @property
     def way_s(self) -> float:
-        """There and back; 0 where it was not measured."""
+        """Round-trip time; 0 if not measured."""
         return max(self._took, default=0.0)
 
     @property
     def patience_s(self) -> float:
-        """For an answer, before it is asked for again."""
+        """How long to wait for an answer before asking again."""
         is_known = self._took or self._has_heard
         return ANSWER_S + self.way_s if is_known else self._unknown

@@ -1,15 +1,15 @@
-"""One connection to a vehicle, open before anybody speaks: conversations, the stick, a beat.
+"""One connection to a vehicle, kept open: conversations, the stick, and a keep-alive (the beat).
 
     closed --open--> open --lost: nothing came for ``LOST_S`` (steering: ``STEERING_S``)--> closed
                      one conversation at a time, the beat (@AE) every second between them;
-                     what is urgent goes before all, and goes on over the next connection;
-                     a look goes behind all
+                     an urgent one goes first, and continues over the next connection;
+                     a look goes last
 
-How long an answer is waited for follows the link (latency). A link that is lost is aborted, and
-with it what waits in it: a stick of some seconds ago is no command. By modem, where one speaks at a
-time and seconds are usual, there is neither beat nor loss.
+The timeout of an answer follows the link's round-trip time (latency). A lost link is aborted, and
+its waiting data are dropped: a stick of some seconds ago is no command. By modem, where one side
+speaks at a time and delays of seconds are usual, there is neither beat nor loss.
 
-What does not live here: what is said (topside), who may say it (vehicle).
+What does not live here: what is sent (topside), who may send it (vehicle).
 """
 
 from __future__ import annotations
@@ -38,16 +38,16 @@ BEAT_S, STEERING_BEAT_S = 1.0, 0.5
 AGAIN_S = 1.0
 TICK_S = 0.25
 STATE_QUERY = encode(StateQuery())
-OPENING = 2  # at a time: the one that is kept, and the next
+OPENING = 2  # links opened at a time: the one in use, and the next
 
 
 class NotSent(OperatorError):
-    """The vehicle has not got it."""
+    """The vehicle has not received it."""
 
 
 @dataclass(slots=True)
 class _Job:
-    """``done`` is None for a beat. ``idle``: a look, which nobody has asked for."""
+    """``done``: None for a beat. ``idle``: a look, which no operator asked for."""
 
     talk: Talk
     done: asyncio.Future[str] | None = None
@@ -71,7 +71,7 @@ class Line:
         self.problem = "not connected so far"
         self.answered: float | None = None
         self.state: StateReport | None = None
-        self.sent = b""  # by the stick, last
+        self.sent = b""  # the stick's last commands
         self.is_uploading = False
         self._opener = ThreadPoolExecutor(OPENING)  # its own: others may wait for a name or a peer
         self._link: Link | None = None
@@ -88,25 +88,25 @@ class Line:
 
     @property
     def is_busy(self) -> bool:
-        """With what somebody has asked for."""
+        """Whether a conversation that somebody asked for, or the stick, is active."""
         jobs = (self._job, *self._waiting)
         return any(job and job.is_meant for job in jobs) or not self.helm.is_silent
 
     def silence(self, now: float) -> float | None:
-        """s since it was answered; None: it is not open, or has not been answered."""
+        """s since the last answer; None if it is not open, or has not been answered."""
         if self._link is None or self.answered is None:
             return None
         return max(0.0, now - self.answered)
 
     def stir(self) -> None:
-        """The stick has moved."""
+        """Wake the loop: the stick has moved."""
         self._stir.set()
 
     # --- what is said ------------------------------------------------------------------------
 
     async def say(self, script: Script, *, urgent: bool = False, idle: bool = False) -> str:
-        """What was achieved. Raises OperatorError, NotSent where there is no connection; what is
-        urgent waits for one, what is idle breaks off for all else."""
+        """Run a script and return its result. Raises OperatorError, NotSent without a connection.
+        An urgent script waits for a connection; an idle one breaks off for all others."""
         if self.acoustics is None:
             return await self.hold(self._conversation(script), urgent=urgent, idle=idle)
         return await self.hold(Submerged(script, self.acoustics), urgent=urgent, idle=idle)
@@ -128,14 +128,14 @@ class Line:
         return await job.done
 
     def _give_way(self) -> None:
-        """What is being said breaks off, and what waits is not said: an older order neither."""
+        """Break off the current conversation, and drop all that wait, older orders included."""
         _fail(self._job, "broken off by an order; it may or may not have been done")
         self._job = None
         while self._waiting:
             _fail(self._waiting.popleft(), "not said: an order came before it")
 
     def _look_no_more(self) -> None:
-        """What is asked for leaves now, and not behind a look over a slow radio."""
+        """Break off looks, so that a request need not wait for a look over a slow radio."""
         for job in [job for job in (self._job, *self._waiting) if job and job.idle]:
             _fail(job, "the look broke off: something else is said")
         self._waiting = deque(job for job in self._waiting if not job.idle)
@@ -143,8 +143,8 @@ class Line:
             self._job = None
 
     async def renew(self) -> None:
-        """The next connection is open before this one is closed: the vehicle takes it for somebody
-        else, who does not command. By modem there is but one."""
+        """Open the next connection before closing this one. For the vehicle it is another operator,
+        who does not command. By modem there is only one."""
         if self.acoustics is None:
             self._next = await self._open()
             self._stir.set()
@@ -152,7 +152,7 @@ class Line:
     # --- the connection ------------------------------------------------------------------------
 
     async def keep(self) -> None:
-        """Runs until it is cancelled."""
+        """Run until cancelled."""
         try:
             while True:
                 link, self._next = self._next or await self._open(), None
@@ -161,7 +161,7 @@ class Line:
                     continue
                 before = self.answered
                 await self._use(link)
-                if self._next is None and self.answered == before:  # opened, and closed unheard
+                if self._next is None and self.answered == before:  # opened, closed unanswered
                     await asyncio.sleep(AGAIN_S)
         finally:
             for job in (self._job, *self._waiting):
@@ -180,7 +180,7 @@ class Line:
             return None
 
     async def _use(self, link: Link) -> None:
-        """Until it is lost, or another takes its place."""
+        """Use a link until it is lost, or another replaces it."""
         loop, descriptor = asyncio.get_running_loop(), link.fileno()
         self._link, self._heard, self._beat = link, time.monotonic(), 0.0
         self._latency.connected()
@@ -199,7 +199,7 @@ class Line:
             link.close()
 
     def _turn(self, link: Link, now: float) -> None:
-        """One turn of the loop: hears, steers, says. Raises LinkError."""
+        """One turn of the loop: receive, steer, send. Raises LinkError."""
         for rx in link.receive(now):
             self._heard = self.answered = now
             self._hear(rx.data, now)
@@ -220,7 +220,8 @@ class Line:
         return self.acoustics is None and now - self._heard > within
 
     def _lose(self) -> None:
-        """The stick has to be let go before it moves anything over the next connection."""
+        """End the conversations of a lost link. The stick must be let go before it moves anything
+        over the next one."""
         self.helm.drop()
         self.state = None
         job = self._job
@@ -249,8 +250,7 @@ class Line:
             self._stir.set()
 
     def _finished(self, job: _Job | None) -> _Job | None:
-        """Returns the job while it goes on; hands over its result and returns None once it is
-        over."""
+        """Return the job while it runs; once it is over, deliver its result and return None."""
         if job is None or not job.talk.over:
             return job
         if job.done is not None and not job.done.done():
@@ -269,10 +269,10 @@ class Line:
         return None
 
     def _beats(self) -> Script:
-        """Each second, also where the answers of some are still on their way."""
+        """Send a beat each second, even while earlier answers are still on their way."""
         answer = yield Ask("state", StateQuery(), _is_state, tries=1, by_clock=True)
         if answer is None and time.monotonic() > self._told + self._latency.patience_s:
-            self.state = None  # an older program knows no @AE
+            self.state = None  # an older program without @AE
             yield Ask("store", StoreQuery(), is_report, tries=1, by_clock=True)
         return ""
 
@@ -284,7 +284,7 @@ class Line:
         elif self.acoustics is None:
             dues.append(self._beat)
         due = min(due for due in dues if due is not None)
-        with contextlib.suppress(TimeoutError):  # wait_for of 3.11 may lose a cancellation
+        with contextlib.suppress(TimeoutError):  # wait_for of Python 3.11 may lose a cancellation
             async with asyncio.timeout(max(0.001, due - now)):
                 await self._stir.wait()
 

@@ -1,8 +1,9 @@
-"""What was asked for by this console and what became of it, a JSON object a line, for good.
+"""The console's log of requests and their results, one JSON object per line; restarts add to it.
 
     <folder>/console.jsonl     {"wall", "vehicle", ...}, renamed to console-1.jsonl at ``MOST``
 
-A line that cannot be written stops nothing: the vehicle's own black box has what it was told.
+A renamed file replaces the one before it. A failed write stops nothing: the vehicle's own black box
+records what was sent to it.
 """
 
 from __future__ import annotations

@@ -1,14 +1,14 @@
-"""X and W from the console: said until the vehicle acknowledges them, whatever is in the way.
+"""X and W from the console: repeated until the vehicle acknowledges them, whatever the obstacle.
 
     given --> sent --> acknowledged --> confirmed | unconfirmed | contradicted  (what reports show)
                ^ |
     unanswered + <-- no answer, or no connection        a newer order takes the place of an older
 
-A page that is connected anew says its last order again: it is the same one, by its ``key``, and
-takes no other's place.
+A page that reconnects sends its last order again: its ``key`` shows that it is the same one, and it
+replaces no other.
 
-Whoever gives an order gets the vehicle's command by it (R12). So once it is acknowledged the
-connection is given up for a new one: the stick need not wait for it.
+An order gives its sender the vehicle's command (R12). So once it is acknowledged, the connection is
+replaced by a new one: the stick need not wait for it.
 """
 
 from __future__ import annotations
@@ -60,7 +60,7 @@ class Orders:
         ]
 
     def give(self, name: str, told: Told, key: object = None) -> None:
-        """``key``: of the press; None: it is a new one."""
+        """``key``: of the press; None: a new order."""
         for known in self._given:
             if key is not None and (known.name, known.key) == (name, key):
                 known.told = told

@@ -1,4 +1,4 @@
-"""What the page's plan asks for beside the check: edits of the chart, words, differences, imports.
+"""Requests of the page's plan beside the check: edits of the chart, words, differences, imports.
 
 text, an edit --authoring.editing--> text          text, what is on board --diff--> changes
 a file of another program --authoring.importing--> text, and what was left out
@@ -30,7 +30,7 @@ from mission.model.extent import BYTES
 from mission.model.shipped import load_vehicle
 from mission.model.vehicle import VehicleError
 
-IMPORT = BYTES.most * 4 // 3 + 4096  # bytes of a file, as base64, and what is said with it
+IMPORT = BYTES.most * 4 // 3 + 4096  # bytes of a file in base64, and of the other fields
 IMPORT_NEEDS = "an import needs the file's name, and its data as base64"
 EDIT_NEEDS = "an edit needs text, source, do, the place's number at, and to: [latitude, longitude]"
 
@@ -40,7 +40,7 @@ async def words() -> list[dict[str, str]]:
 
 
 async def edited(said: Said) -> dict[str, str]:
-    """The text with one edit. Raises Refused."""
+    """Return the text with one edit. Raises Refused."""
     text, source, do = str(said["text"]), str(said["source"]), said["do"]
     at = said.get("at")
     if at is not None and not isinstance(at, int):
@@ -72,7 +72,7 @@ def _place(said: Any) -> tuple[float, float]:
 
 
 def difference(text: str, source: str, board: str, vehicle: str | None) -> dict[str, Any]:
-    """``board``: the text of what is on board. Raises Refused."""
+    """``board``: the text of the mission on board. Raises Refused."""
     before = _prepared(board, "on board", vehicle, "what is on board cannot be read here")
     after = _prepared(text, source, vehicle, "mend the text first")
     found = compare(before, after)
@@ -87,8 +87,9 @@ def _prepared(text: str, source: str, vehicle: str | None, else_says: str) -> Pr
 
 
 def _rows(before: Sequence[str], after: Sequence[str]) -> list[list[str]]:
-    """``[mark, line]`` of both, as the vehicle has them: " " both, "-" on board, "+" here."""
-    old, new = before[1:], after[1:]  # without the line that has the sum
+    """Return ``[mark, line]`` of both missions, as the vehicle stores them: " " both, "-" on board,
+    "+" here."""
+    old, new = before[1:], after[1:]  # without the first line, which has the sum
     rows = list[list[str]]()
     for what, a, b, c, d in difflib.SequenceMatcher(None, old, new).get_opcodes():
         if what == "equal":

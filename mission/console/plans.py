@@ -2,7 +2,7 @@
 
     lines of a vehicle, or a text --authoring--> one object (docs/design/console.md)
 
-What does not live here: what is wrong with a text (authoring), where lines come from (vehicle).
+What does not live here: errors in a text (authoring), where lines come from (vehicle).
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ EMPTY: dict[str, Any] = {
 
 
 def on_board(lines: Sequence[str], vehicle: str | None) -> dict[str, Any]:
-    """``vehicle``: a file or a shipped one's name; None: the one that the mission names."""
+    """``vehicle``: a file or the name of a shipped one; None: the one that the mission names."""
     if not lines:
         return {**EMPTY, "problem": "no mission is on board"}
     text = "\n".join(lines)
@@ -53,7 +53,7 @@ def on_board(lines: Sequence[str], vehicle: str | None) -> dict[str, Any]:
 
 
 def of_vehicle(name: str) -> list[dict[str, str]]:
-    """What doctor says of its file; none where the file cannot be read."""
+    """Return the doctor's findings in the vehicle file; none if the file cannot be read."""
     try:
         found = list(of_file(load_vehicle(name)))
     except (OSError, ValueError):
@@ -62,7 +62,8 @@ def of_vehicle(name: str) -> list[dict[str, str]]:
 
 
 def checked(text: str, source: str, vehicle: str | None) -> dict[str, Any]:
-    """With ``ok``, ``refusals``, what is ``proved``, and the ``places`` that can be moved."""
+    """Check a text: with ``ok``, ``refusals``, what is ``proved``, and the ``places`` that can
+    move."""
     with uncollected():
         return _checked(text, source, vehicle)
 
@@ -78,13 +79,13 @@ def _checked(text: str, source: str, vehicle: str | None) -> dict[str, Any]:
         home = next((p["at"] for p in named["places"] if p["kind"] == "home"), None)
         wrong = unreadable_object(error.diagnostics)
         return {**EMPTY, "text": text, "home": home, **wrong, **named}
-    told = shown(prepared, drawn=False)  # of a text under work nobody sees the graph
+    told = shown(prepared, drawn=False)  # nobody looks at the graph of a text in work
     return {**told, **as_object(check_prepared(prepared)), **named}
 
 
 def _known(name: str) -> Vehicle | None:
-    """The vehicle, read once for each text of its file: for a key that is hit a quarter of the
-    work. None where it cannot be read."""
+    """Return the vehicle, read once for each text of its file, which saves a quarter of the work at
+    each keystroke. None if it cannot be read."""
     try:
         path = vehicle_file(name)
         return _vehicle(path.read_text(encoding="utf-8"), str(path))
@@ -98,12 +99,13 @@ def _vehicle(text: str, where: str) -> Vehicle:
 
 
 def get_ready() -> None:
-    """The first text is answered as soon as the next: what it needs is imported and read."""
+    """Do all imports and reads in advance, so that the first text is answered as fast as the
+    next."""
     checked(next(iter(shipped_missions().values())).read_text(encoding="utf-8"), "ready.yaml", None)
 
 
 def _names(read: Draft) -> list[str]:
-    """Of legs and groups: what an exit may lead to."""
+    """Return the names of legs and groups, the possible targets of an exit."""
     named = (s.name for s in read.statements if isinstance(s, LegText | Opening))
     return sorted({name.text for name in named if name is not None})
 

@@ -1,4 +1,4 @@
-"""A recording in the place of a vehicle: the same frames, and nobody to be told anything."""
+"""A recording in the place of a vehicle: the same frames, and no commands."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ EVERY_S = 0.2
 
 
 def told_apart(files: Sequence[str]) -> list[str]:
-    """A name for each: as much of its path as sets it apart; of one that comes twice its number."""
+    """Return a name for each file: as much of its path as is unique; equal paths get a number."""
     parts = [PurePath(file).parts for file in files]
     found = [_among(own, parts) for own in parts]
     seen, names = Counter[str](), list[str]()
@@ -64,14 +64,14 @@ class Recorded:
         return self._plan
 
     def hindsight(self) -> dict[str, Any]:
-        """Once; of a long dive it takes its time."""
+        """Compute it once; for a long dive it takes some time."""
         with self._asked:
             if self._hindsight is None:
                 self._hindsight = hindsight(self.recording.records)
             return self._hindsight
 
     def frame(self, page: str, now: float) -> bytes:
-        """b"" where nothing is new."""
+        """b"" if nothing is new."""
         recording = self.recording
         extras = {
             "wall": int(time.time()),
@@ -85,7 +85,7 @@ class Recorded:
         return self.board.frame(page, watched, state, t, now)
 
     def steer(self, said: dict[str, Any]) -> None:
-        """Raises ValueError, KeyError, TypeError for what no page says."""
+        """Raises ValueError, KeyError, TypeError for a malformed message."""
         match said:
             case {"do": "play", "speed": speed}:
                 self.recording.play(float(speed))
@@ -97,7 +97,7 @@ class Recorded:
                 raise ValueError("a review knows play with a speed, pause, and seek with t")
 
     async def run(self) -> None:
-        """Until it is cancelled."""
+        """Run until cancelled."""
         threading.Thread(target=self.recording.run, daemon=True).start()
         try:
             while True:

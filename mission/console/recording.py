@@ -1,9 +1,9 @@
-"""A recording under the page's hand: it plays, stands, and goes to any time. A thread of its own.
+"""A recording that the page controls: play, pause, seek. It runs in a thread of its own.
 
     records --Film (run again, once)--> Watched, as if it were a vehicle's monitor
 
-While nothing else is to do the film is run ahead; a time that it has passed is there at once. What
-does not live here: what a recording is (replay).
+The film is run ahead while there is nothing else to do; times that it has passed are available at
+once. What does not live here: what a recording is (replay).
 """
 
 from __future__ import annotations
@@ -19,19 +19,19 @@ from mission.onboard.runtime.records import read_start
 from mission.onboard.stream.events import events_of
 from mission.topside.monitor import Watched
 
-STEP_S = 0.2  # real
+STEP_S = 0.2  # s, real time
 SLOWEST, FASTEST = 1.0, 100.0
 
 
 class Recording:
-    """Raises ValueError where the records begin with no start of this version."""
+    """Raises ValueError if the records do not begin with a start of this version."""
 
     def __init__(self, records: Sequence[Record]) -> None:
         self.records = records
         self._film = Film(records)
         self.wall = read_start(records[0]).wall
         self.end = self._film.end
-        self.shown = 0.0, Watched()  # where it stands, s, and what stood then
+        self.shown = 0.0, Watched()  # the position, s, and what a viewer knew then
         self.playing, self.speed = True, SLOWEST
         self._failed = ""
         self._wanted: float | None = 0.0
@@ -59,7 +59,7 @@ class Recording:
         }
 
     def events(self) -> list[dict[str, Any]]:
-        """Each at the time to go to, where it is to be seen."""
+        """Return the events, each with the time of the frame that shows it."""
         found = (event for record in self.records for event in events_of(record))
         seen = self._film.seen
         return [{"t": seen(e.t), "level": e.level, "of": e.of, "says": e.says} for e in found]
@@ -108,7 +108,8 @@ class Recording:
                 self._play(self.t + passed * self.speed)
 
     def _ahead(self, seconds: float) -> None:
-        """Runs the film on; where it is over waits. Until somebody stirs."""
+        """Extend the film, or wait if it is complete, until ``_stirred`` is set or ``seconds``
+        pass."""
         end = time.monotonic() + seconds
         while not self._stirred.is_set() and time.monotonic() < end:
             if self._film.over:
@@ -116,7 +117,7 @@ class Recording:
             self._film.extend()
 
     def _reach(self, t: float) -> float:
-        """As far as it can be reached before somebody wants another time."""
+        """Extend the film up to ``t``; return how far it got before another time was wanted."""
         film = self._film
         while film.until < t and not (film.over or self._over or self._wanted is not None):
             film.extend()

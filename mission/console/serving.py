@@ -1,4 +1,4 @@
-"""The console's server: on the loopback, until it is told to end."""
+"""The console's server: on the loopback interface, until it is ended."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from mission.topside.dives import default_folder
 HOST = "127.0.0.1"
 SAID = 2 << 20  # bytes of one message of a page: an upload
 LEAVE_S = 2
-# What uvicorn says of a WebSocket that was answered by HTTP, as whoever may not ask is (admission).
+# uvicorn's message for a WebSocket that was refused by an HTTP answer (admission)
 ANSWERED = "ASGI callable returned without completing handshake."
 
 
@@ -33,8 +33,8 @@ async def serve(
     server: Callable[[uvicorn.Server], None] = lambda server: None,
     charts: Shelf | None = None,
 ) -> None:
-    """Until SIGINT or SIGTERM. ``made`` is called in the event loop; ``ready`` gets the address of
-    the page once it answers, ``server`` what can be told to end."""
+    """Serve until SIGINT or SIGTERM. ``made`` is called in the event loop. ``ready`` gets the
+    page's address once the server answers, ``server`` the object that can end it."""
     port, token = listening.getsockname()[1], secrets.token_urlsafe(24)
     shelf = charts or Shelf(default_folder())
     app = application(made(), shelf, port, token)
@@ -55,5 +55,5 @@ async def serve(
 
 
 def _is_news(record: logging.LogRecord) -> bool:
-    """A page of another origin could fill the terminal with refusals."""
+    """Drop this message: a page of another origin could fill the terminal with it."""
     return record.msg != ANSWERED

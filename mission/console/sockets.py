@@ -1,7 +1,7 @@
 """The WebSockets of a page: frames, orders, commands, stick, review (docs/design/console.md).
 
-A page that says what no page says is closed with 1008 and the reason; one that goes is forgotten,
-and what it has ordered goes on.
+A socket with a malformed message is closed with 1008 and the reason. When a page disconnects, its
+orders continue.
 """
 
 from __future__ import annotations
@@ -73,7 +73,7 @@ async def serve_orders(socket: WebSocket, vehicle: Vehicle) -> None:
 
 
 async def serve_commands(socket: WebSocket, vehicle: Vehicle) -> None:
-    """An intent that is under way goes on without its page."""
+    """An intent that is under way continues without its page."""
     answers = _Answers(socket)
     asked: set[asyncio.Task[None]] = set()
 
@@ -119,7 +119,7 @@ async def serve_stick(socket: WebSocket, vehicle: Vehicle) -> None:
 
 
 def _push(said: Said) -> tuple[Push | None, float]:
-    """And when it was there, by the page's clock. Raises Malformed."""
+    """Return the push, and when the hand was there, by the page's clock. Raises Malformed."""
     at = said.get("at")
     axes = [said.get(name) for name in ("surge", "turn", "heave")]
     if isinstance(at, int | float) and said.get("held") is False:
@@ -141,7 +141,7 @@ async def serve_review(socket: WebSocket, recorded: Recorded) -> None:
 
 
 async def serve_ghost(socket: WebSocket, ghosts: Ghosts, vehicle: str | None) -> None:
-    """One at a time for a page: another, a word or its end takes the one that flies."""
+    """One flight at a time per page: another request, or the page's end, stops it."""
     flying: set[asyncio.Task[None]] = set()
 
     async def stop() -> None:
@@ -161,7 +161,7 @@ async def serve_ghost(socket: WebSocket, ghosts: Ghosts, vehicle: str | None) ->
             raise Malformed("of a ghost one says fly, plan or cancel")
 
     async def fail() -> None:
-        """What a flight raises is the page's mistake, and told."""
+        """Raise the errors of flights: they are the page's mistakes, and close the socket."""
         while True:
             for task in [task for task in flying if task.done()]:
                 flying.discard(task)
@@ -175,7 +175,7 @@ async def serve_ghost(socket: WebSocket, ghosts: Ghosts, vehicle: str | None) ->
 
 
 class _Answers:
-    """What is told from anywhere, sent in its order."""
+    """Answers from any task, sent in order."""
 
     def __init__(self, socket: WebSocket) -> None:
         self._socket = socket
@@ -198,7 +198,7 @@ class _Answers:
 async def _both(
     socket: WebSocket, hear: Callable[[Said], Awaitable[None]], send: Callable[[], Awaitable[None]]
 ) -> None:
-    """Until the page is gone, or says what no page says."""
+    """Send and receive until the page is gone, or sends a malformed message."""
     await socket.accept(PROTOCOL)
     sending = asyncio.ensure_future(send())
     hearing = asyncio.ensure_future(_hear(socket, hear))
@@ -215,7 +215,7 @@ async def _both(
 
 
 def _no_number(name: str) -> float:
-    """What JSON does not know, and Python reads."""
+    """Refuse NaN and infinities, which Python reads but JSON does not allow."""
     raise Malformed(f"{name} is no number")
 
 

@@ -1,10 +1,10 @@
-"""The stick of a page, on its way to the helm: what is old moves nothing.
+"""The stick of a page, on its way to the helm: old values move nothing.
 
     axes of a page, with the time of the hand --> Push, while they are fresh, ours and answered
     none for ``FRESH_S``, let go, refused      --> None: the helm ends, and the vehicle's 2 s (R6)
 
-A reason to refuse holds until the hand is let go: a page that was silent for a while, and goes on
-with the hand where it was, has not let go. One page has the stick at a time.
+A reason to refuse lasts until the hand is let go. A page that was silent for a while, and continues
+with the hand where it was, has not let go. Only one page has the stick at a time.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ OURS = ("asker", "nobody")
 
 
 class Steering:
-    """``line`` is the one of commands. Times are of the monotonic clock."""
+    """``line``: the line of commands. Times are of the monotonic clock."""
 
     def __init__(self, line: Line) -> None:
         self._line = line
@@ -47,13 +47,13 @@ class Steering:
             self._line.stir()
 
     def drop(self) -> None:
-        """Behind X or W: silent at once, until it is let go."""
+        """After X or W: be silent at once, until the hand is let go."""
         if self._push is not None:
             self._why = self._why or "an order was given"
         self._line.helm.drop()
 
     def hold(self, now: float) -> None:
-        """To be called while time passes."""
+        """Call it regularly: it passes the push to the helm, or ends it."""
         if self._push is None:
             return
         if now - self._moved > FRESH_S and not self._why:
@@ -84,7 +84,7 @@ class Steering:
         return ""
 
     def told(self, page: str, now: float) -> dict[str, Any]:
-        """What a page is told of its stick."""
+        """Return the state of the stick for a page."""
         line = self._line
         silence = line.silence(now)
         age = None if silence is None else round(silence, 1)

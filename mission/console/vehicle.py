@@ -1,4 +1,5 @@
-"""A vehicle of the console: what is known of it, what may be said to it, and by which connection.
+"""A vehicle of the console: what is known of it, which commands it takes, and over which
+connection.
 
     monitor (a thread) ------------> Watched <--- looks by the command port, where there is none
     line of orders:   X, W           always open           (by modem one line does both)
@@ -33,7 +34,7 @@ from mission.topside.sources import ASK_S, ASK_UNDER_WATER_S, frame_of, from_mon
 from mission.topside.upload import OperatorError
 
 TICK_S = 0.1
-LEAVE_S = 3.0  # behind the last page
+LEAVE_S = 3.0  # after the last page
 AGAIN_S = 1.0  # after a failure
 FRAME = 4000  # bytes: 3 s of a radio of 12 kbit/s
 COMMANDERS = {"asker": "us", "nobody": "nobody", "network": "other", "modem": "other"}
@@ -41,8 +42,8 @@ COMMANDERS = {"asker": "us", "nobody": "nobody", "network": "other", "modem": "o
 
 @dataclass(frozen=True, slots=True)
 class Given:
-    """``monitor``: "" where there is none. ``vehicle``: its file or a shipped one's name; None: the
-    one that the mission names. ``speed``: of a simulated one, times real time."""
+    """``monitor``: "" if there is none. ``vehicle``: its file or the name of a shipped one; None:
+    the one that the mission names. ``speed``: of a simulated vehicle, times real time."""
 
     name: str
     to: str
@@ -54,7 +55,7 @@ class Given:
 
 
 class Vehicle:
-    """Raises WrongAddress. To be made and used in one event loop."""
+    """Raises WrongAddress. Create and use it in one event loop."""
 
     def __init__(self, ident: str, given: Given, memory: Path) -> None:
         self.ident, self.given, self.log = ident, given, Log(memory)
@@ -64,7 +65,7 @@ class Vehicle:
         self._orders_line = self.commands if self.under_water else Line(given.to)
         self.orders = Orders(self._orders_line)
         self.steering = Steering(self.commands)
-        remembered = "" if given.simulated else given.to  # what is made up is never missed
+        remembered = "" if given.simulated else given.to  # a simulated vehicle is never missed
         self.contacts = Contacts(remembered, memory, given.vehicle)
         self.checked: dict[str, float] = {}
         self._source = from_monitor(given.monitor, FRAME, "before") if given.monitor else None
@@ -73,7 +74,7 @@ class Vehicle:
         self._look_problem = ""
         self._plan = dict(plans.EMPTY)
         self._planned: tuple[str, tuple[str, ...]] | None = None
-        self._known: dict[str, dict[str, Any]] = {}  # plans that were uploaded from here
+        self._known: dict[str, dict[str, Any]] = {}  # plans uploaded from here
         self._mine: list[dict[str, Any]] = []
         self._up_by: float | None = None
         self._began = time.monotonic()
@@ -86,7 +87,8 @@ class Vehicle:
 
     @property
     def _looks(self) -> bool:
-        """The monitor is silent, and the command port is not."""
+        """Whether looks by the command port are shown: no monitor, or it is silent and the port is
+        not."""
         if self._source is None:
             return True
         now = time.monotonic()
@@ -110,7 +112,7 @@ class Vehicle:
         return self._plan
 
     def frame(self, page: str, now: float) -> bytes:
-        """b"" where nothing is new."""
+        """b"" if nothing is new."""
         watched = self.watched
         if watched is not self._heard:
             self._heard, self._clock = watched, VehicleClock(self.given.speed)
@@ -149,7 +151,7 @@ class Vehicle:
     # --- while time passes -----------------------------------------------------------------------
 
     async def run(self) -> None:
-        """Until it is cancelled."""
+        """Run until cancelled."""
         if self._source is not None:
             threading.Thread(target=self._source.run, daemon=True).start()
         parts = [self._orders_line.keep, self._tick, self._follow]
@@ -165,7 +167,8 @@ class Vehicle:
                 self._source.stopped.set()
 
     async def _again(self, part: Callable[[], Awaitable[None]]) -> None:
-        """For ever: a part that fails is told and begun anew; the others, X and W, go on."""
+        """Run a part without end. A part that fails is logged and restarted; the others, X and W,
+        continue."""
         while True:
             try:
                 await part()
@@ -187,7 +190,7 @@ class Vehicle:
                     await keeping
 
     async def _nobody_looks(self) -> None:
-        """For a while, and nothing is being said."""
+        """Wait until no page has looked for ``LEAVE_S``, and no conversation is active."""
         last = time.monotonic()
         while time.monotonic() < last + LEAVE_S:
             if self.board.pages or self.commands.is_busy:
@@ -207,7 +210,7 @@ class Vehicle:
             await asyncio.sleep(TICK_S)
 
     async def _follow(self) -> None:
-        """The mission on board, and looks where there is no monitor."""
+        """Read the mission on board, and look if there is no monitor."""
         every = ASK_UNDER_WATER_S if self.under_water else ASK_S
         due = 0.0
         while True:
@@ -239,7 +242,7 @@ class Vehicle:
             return
         self._planned = key
         if key[0] and self._plan["digest"] == key[0]:
-            return  # by its digest it is the same, also while its lines are told anew
+            return  # the same by its digest, also while its lines are sent again
         if (known := self._known.get(key[0])) is not None:
             self._plan = known
             return

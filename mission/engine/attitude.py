@@ -16,6 +16,7 @@ from protocol.messages import Telemetry
 
 OVERTURNED = math.radians(120.0)  # |roll| or |pitch|
 _ON_ITS_SIDE = math.radians(90.0)  # the same angles; sensor health believes none beyond this
+_SIDEWAYS = math.radians(60.0)  # and here: less than half of a vertical thrust moves the depth
 _REPORTS = 3
 _FULL_CIRCLE = math.radians(180.5)  # |angle| beyond this is invalid
 _SAME = 1e-9  # rad
@@ -41,9 +42,9 @@ class Repeats(NamedTuple):
 
 class Attitude(NamedTuple):
     """The attitude by the last reports. ``reports``: how many in a row were beyond 120 degrees;
-    ``beyond``: the same for 90 degrees. ``told``: an attitude was reported at all; ``gone``: but
-    not in the last report. ``broken``: s, when the last invalid angle came. ``repeats``: of roll,
-    and of pitch; ``stood``: s for which both have repeated."""
+    ``beyond``: the same for 90 degrees; ``sideways``: for 60 degrees. ``told``: an attitude was
+    reported at all; ``gone``: but not in the last report. ``broken``: s, when the last invalid
+    angle came. ``repeats``: of roll, and of pitch; ``stood``: s for which both have repeated."""
 
     roll: float = 0.0
     pitch: float = 0.0
@@ -55,6 +56,7 @@ class Attitude(NamedTuple):
     stood: float = 0.0
     t: float = -math.inf  # of the report
     beyond: int = 0
+    sideways: int = 0
 
     @property
     def overturned(self) -> bool:
@@ -64,6 +66,11 @@ class Attitude(NamedTuple):
     def on_its_side(self) -> bool:
         """Whether the vehicle is on its side, or further over."""
         return self.beyond >= _REPORTS
+
+    @property
+    def pushes_sideways(self) -> bool:
+        """Whether the verticals push sideways, or the other way, rather than up or down."""
+        return self.sideways >= _REPORTS
 
     @property
     def frozen(self) -> bool:
@@ -83,13 +90,16 @@ class Attitude(NamedTuple):
         any more."""
         roll, pitch = report.roll, report.pitch
         if roll is None or pitch is None:
-            return self._replace(reports=0, gone=self.told, beyond=0)
-        worst, reports, broken, beyond = max(abs(roll), abs(pitch)), 0, self.broken, 0
+            return self._replace(reports=0, gone=self.told, beyond=0, sideways=0)
+        worst, reports, broken = max(abs(roll), abs(pitch)), 0, self.broken
+        beyond = sideways = 0
         if worst > _FULL_CIRCLE:
             broken = report.t
-        elif worst > _ON_ITS_SIDE:
+        elif worst > _SIDEWAYS:
             repeats = _apart(roll, self.roll) < _SAME and _apart(pitch, self.pitch) < _SAME
-            beyond = self.beyond + (not repeats or not self.beyond)
+            sideways = self.sideways + (not repeats or not self.sideways)
+            if worst > _ON_ITS_SIDE:
+                beyond = self.beyond + (not repeats or not self.beyond)
             if worst > OVERTURNED:
                 reports = self.reports + (not repeats or not self.reports)
         rolls, pitches = self.told and roll == self.roll, self.told and pitch == self.pitch
@@ -100,7 +110,8 @@ class Attitude(NamedTuple):
         )
         stood = self.stood + report.t - self.t if rolls and pitches else 0.0
         return Attitude(
-            *(roll, pitch, reports, True, False, broken, repeated, stood, report.t, beyond)
+            *(roll, pitch, reports, True, False, broken, repeated, stood, report.t, beyond),
+            sideways,
         )
 
 

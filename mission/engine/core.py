@@ -104,10 +104,10 @@ class Core(Flying):
             self._record(self._stop(f"{self.reason}: {seen} after it was stopped"))
 
     def doubt_line(self) -> None:
-        """Send the command in force again after the line to the vehicle was disconnected: a stop
-        that was acknowledged, the leg's set, an ascent's way, or the thrust that holds the vehicle
-        up. Another board may have acknowledged it, or none received it. Commands of the stick are
-        sent continuously anyway."""
+        """Send the command in force again after the line to the vehicle was disconnected: a stop,
+        the leg's set, an ascent's way, or the thrust that holds the vehicle up. Another board may
+        have acknowledged it, or none received it; and an answer that comes now may be a late one to
+        a command before it. Commands of the stick are sent continuously anyway."""
         self.outputs.doubt()
         ascent = self.leg_ascent or self.ascent
         if ascent is not None:
@@ -115,7 +115,7 @@ class Core(Flying):
             self._record((Action(ascent.way, f"{ascent.why}: the line to the vehicle was away"),))
         elif self.hold is not None:
             self.hold_up("the line to the vehicle was away")
-        elif self._stands and self.stopped_at is not None:
+        elif self._stands and (self.stop_at is not None or self.stopped_at is not None):
             self._record(self._stop(f"{self.reason}: the line to the vehicle was away"))
         else:
             self.repeat_set("the line to the vehicle was away: the whole set again")

@@ -116,8 +116,8 @@ class VehicleState:
         self.telemetry = report
         self.attitude = self.attitude.after(driven := with_thrust(report, self.word))
         if self.navigation:
-            over = self.overturned  # then the same push leads the other way
-            push = Vertical(None, None) if over else Vertical(downward(report), self._asked())
+            aside = self.attitude.pushes_sideways  # upside down it leads the other way
+            push = Vertical(None, None) if aside else Vertical(downward(report), self._asked())
             self.navigation.telemetry(driven, push)
             self.estimate = self.navigation.estimate(report.t)
         self._forget()

@@ -100,7 +100,8 @@ Expression = Term | Not | And | Or
 
 @dataclass(frozen=True, slots=True)
 class Guard:
-    """An expression that must hold without a gap for ``held`` seconds (unknown resets it)."""
+    """An expression that must hold for ``held`` seconds. A second in which it is false takes back
+    two; while it is unknown, all is lost."""
 
     expression: Expression
     held: float = 0.0

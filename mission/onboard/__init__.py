@@ -1,1 +1,1 @@
-"""What runs on the Pi inside the vehicle: the runtime, `serve`, and what they keep."""
+"""The program on the Pi inside the vehicle: the runtime, `serve`, and the files that they keep."""

@@ -1,22 +1,22 @@
-"""What `serve` reads: one YAML file with a default for everything. An empty file is a valid one.
+"""The configuration of `serve`: a YAML file with a default for every key. An empty file is valid.
 
-    ConfigurationError      (the operator must act; names file, key and remedy, all at once)
+    ConfigurationError      (the operator must act; it names file, key and remedy of every fault)
 
     vehicle: auv                         # a shipped vehicle file's name, or a path
     links:
       vehicle: serial:///dev/serial0     # 8N1, at the rate of its role (rates)
-      gps: serial:///dev/ttyUSB0         # null: none
-      topside: tcp-listen://127.0.0.1:4000  # listens; loopback unless told otherwise, e.g.
+      gps: serial:///dev/ttyUSB0         # null: no receiver
+      topside: tcp-listen://127.0.0.1:4000  # listens; on loopback by default, or e.g.
                  # tls-listen://0.0.0.0:4000?keys=/etc/auvmission/keys&allow=192.168.1.0/24
       modem: null
-      monitor: tcp-listen://127.0.0.1:4001  # for viewers, who command nothing; null: none
+      monitor: tcp-listen://127.0.0.1:4001  # for viewers, who cannot command; null: off
       sensors: serial:///dev/ttyUSB1     # a speed log, an acoustic position; default: none
     folder: ~/.local/state/auvmission    # store/ and log/ below it
     time_zone: "+08:00"                  # of the topside's local time (E-V1)
-    answer_no: true                      # R2; false for a topside that cannot bear N
-    manual_for: 60 s                     # without an M command (R6)
+    answer_no: true                      # R2; false for a topside that cannot handle N
+    manual_for: 60 s                     # longest time without an M command (R6)
     topside_silence: null                # a limit on the topside's silence (R5)
-    set_system_clock: false              # @ST moves the system's clock too (R10)
+    set_system_clock: false              # @ST sets the system's clock, too (R10)
     camera: null                         # command line that the node CAMERA runs (R13)
     tolerances: {}                       # of the topside codec, by the names of docs/protocol.md
 
@@ -42,7 +42,7 @@ from mission.onboard.kept import default_folder
 from protocol.tolerances import Tolerances, UnknownTolerance
 
 LONGEST = 1 << 16  # characters of a configuration
-_shortened = Repr()  # whatever aliases make of a value
+_shortened = Repr()  # bounds the text of a value that YAML aliases multiply
 _shortened.maxlevel = 2
 shown = _shortened.repr
 
@@ -53,7 +53,7 @@ class ConfigurationError(Diagnosed):
 
 @dataclass(frozen=True, slots=True)
 class LinkUrls:
-    """Where each link's bytes come from; None: the link is not there."""
+    """The URL of each link; None: there is no such link."""
 
     vehicle: str = "serial:///dev/serial0"
     gps: str | None = "serial:///dev/ttyUSB0"
@@ -80,11 +80,11 @@ class Configuration:
     set_system_clock: bool = False
     camera: str | None = None
     tolerances: Mapping[str, str] = field(default_factory=lambda: _NO_TOLERANCES)
-    ascent_only: str = ""  # no key of the file: why nothing but an ascent is served
+    ascent_only: str = ""  # not a key of the file: why serve only surfaces the vehicle
 
     @property
     def utc_offset(self) -> float:
-        """s, of the topside's local time."""
+        """Offset of the topside's local time from UTC, s."""
         sign = -1.0 if self.time_zone[0] == "-" else 1.0
         hours, minutes = self.time_zone[1:].split(":")
         return sign * (int(hours) * 3600.0 + int(minutes) * 60.0)
@@ -98,16 +98,16 @@ class Configuration:
         return self.folder / "log"
 
 
-Judge = Callable[[tuple[str, ...], Any], None]  # of a key, with those above it, and its value
+Judge = Callable[[tuple[str, ...], Any], None]  # path of a key, and its value
 
 
 def _unjudged(key: tuple[str, ...], value: Any) -> None:
-    """What only looks for the folder takes links that cannot be opened, too."""
+    """Accept everything: who only needs the folder accepts links that cannot be opened."""
 
 
 def load_configuration(path: Path | None, judge: Judge = _unjudged) -> Configuration:
-    """The file's configuration, or the defaults without one. ``judge`` raises LinkError for what
-    is written well and cannot be opened. Raises ConfigurationError."""
+    """Return the configuration in the file, or the defaults if ``path`` is None. ``judge`` raises
+    LinkError for a URL that is well-formed but cannot be opened. Raises ConfigurationError."""
     if path is None:
         return Configuration()
     try:
@@ -128,8 +128,8 @@ def _unreadable(path: Path, why: str, hint: str) -> ConfigurationError:
 def parse_configuration(
     text: str, where: str = "configuration", judge: Judge = _unjudged
 ) -> Configuration:
-    """Raises ConfigurationError with everything that is wrong."""
-    # yaml: may be missing (provision)
+    """Parse the text. Raises ConfigurationError with every fault."""
+    # yaml may not be installed (provision)
     from mission.model.yaml_tree import YamlFault, places, tree, values
 
     found = Diagnostics(Stage.CONFIGURATION, text, where, ConfigurationError)
@@ -152,7 +152,7 @@ def parse_configuration(
 
 @dataclass(frozen=True, slots=True)
 class _Tables:
-    """Reads tables key by key; ``places`` has each key, with those above it, and its value."""
+    """Reads tables key by key. ``places``: where key and value stand, by the path of the key."""
 
     found: Diagnostics
     places: Mapping[tuple[str, ...], tuple[Where, Where]]
@@ -208,7 +208,7 @@ _BROUGHT = {
 
 
 def _instead(key: str, keys: Mapping[str, Any]) -> str:
-    """What to write for a key that there is not: where it belongs, or the nearest."""
+    """The hint for an unknown key: the table where it belongs, or the most similar key."""
     above = next(
         (k for k, below in keys.items() if isinstance(below, Mapping) and key in below), ""
     )
@@ -227,7 +227,7 @@ def _default(path: tuple[str, ...]) -> str:
 
 
 class _Wrong(ValueError):
-    """Says what is wrong; behind a semicolon, what instead."""
+    """The message says what is wrong and, after a semicolon, what to write instead."""
 
 
 def _text(value: Any) -> str:
@@ -289,7 +289,7 @@ _KEYS = {
     "folder": _folder,
     "time_zone": _zone,
     "answer_no": _flag,
-    "manual_for": _seconds(5, 3600),  # R6 stops after 2 s
+    "manual_for": _seconds(5, 3600),  # R6 stops the vehicle after 2 s
     "topside_silence": _silence,
     "set_system_clock": _flag,
     "camera": _text_or_none,

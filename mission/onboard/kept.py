@@ -1,9 +1,9 @@
-"""Files that are whole or known not to be, and where they lie when the configuration cannot say.
+"""Files with a checksum, and where they are if the configuration cannot be read.
 
-    "sha256 <hex of the rest>\\n" and the rest; written beside, flushed, fsynced, renamed into place
+    "sha256 <hex of the rest>\\n" and the rest; written to a temporary file, synced, renamed
 
-Of the standard library alone: what brings a vehicle up when nothing else can be loaded reads them
-(lifeboat). What does not live here: what is in them (store, serve: working).
+This module uses the standard library alone: the lifeboat reads these files when nothing else can be
+loaded. What does not live here: their contents (store, serve: working).
 """
 
 from __future__ import annotations
@@ -17,11 +17,11 @@ from pathlib import Path
 
 WORKING = "working"  # the last configuration that worked (serve: working)
 _FOLDER = re.compile(r"^folder:[ \t]*[\"']?([^\"'#\n]+)", re.MULTILINE)
-_NONE = ("~", "null", "Null", "NULL")  # as YAML says it
+_NONE = ("~", "null", "Null", "NULL")  # the forms of null in YAML
 
 
 def read_summed(path: Path) -> str:
-    """Raises OSError, or ValueError where it is not whole."""
+    """Return the text. Raises OSError, or ValueError if the file is not whole."""
     head, newline, body = path.read_bytes().partition(b"\n")
     if not newline or head != _sum(body):
         raise ValueError(f"{path} is damaged")
@@ -29,7 +29,7 @@ def read_summed(path: Path) -> str:
 
 
 def write_summed(path: Path, text: str) -> None:
-    """All of it or nothing; its folder is made where it is absent. Raises OSError."""
+    """Write the text completely or not at all; create the folder if absent. Raises OSError."""
     body, beside = text.encode(), path.with_name(path.name + ".new")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -48,13 +48,13 @@ def write_summed(path: Path, text: str) -> None:
 def default_folder() -> Path:
     try:
         return Path("~/.local/state/auvmission").expanduser()
-    except RuntimeError:  # a user without a home
+    except RuntimeError:  # the user has no home folder
         return Path("/var/lib/auvmission")
 
 
 class Homes:
-    """Where the last configuration that worked may lie. ``folder`` is the command line's,
-    ``config`` the configuration file."""
+    """Where the last configuration that worked may be. ``folder``: from the command line;
+    ``config``: the configuration file."""
 
     def __init__(
         self, config: Path | None, folder: Path | None, environment: Mapping[str, str]
@@ -64,14 +64,14 @@ class Homes:
 
     @property
     def folder(self) -> Path | None:
-        """The store's, as far as it is said although the configuration cannot be read."""
+        """The folder of the store, as far as known without the whole configuration; else None."""
         if self._given is not None:
             return self._given
         said = _said_folder(self._config) or self._state
         return Path(said).expanduser() if said else None
 
     def paths(self) -> Iterator[Path]:
-        """In the order in which they count."""
+        """The paths to try, in this order."""
         if (folder := self.folder) is not None:
             yield folder / WORKING
         if self._config is not None:
@@ -79,8 +79,8 @@ class Homes:
         yield default_folder() / WORKING
 
     def places(self, folder: Path) -> Iterator[Path]:
-        """Where it is to be kept: beside the store, and aside where nothing but the configuration
-        file says which folder that is."""
+        """Where to write it: in ``folder``, and also in the default folder if only the
+        configuration file names ``folder``."""
         yield folder / WORKING
         if self._given is None and not self._state and self._config is not None:
             yield self._aside(self._config)
@@ -91,7 +91,7 @@ class Homes:
 
 
 def _said_folder(config: Path | None) -> str:
-    """By the line of a file that is broken elsewhere."""
+    """The ``folder:`` line of a file that may be broken elsewhere; "" if it has none."""
     if config is None:
         return ""
     try:
@@ -107,7 +107,7 @@ def _sum(body: bytes) -> bytes:
 
 
 def sync_folder(folder: Path) -> None:
-    """So that a name that was given survives a power cut."""
+    """Sync the folder, so that a rename in it survives a power cut."""
     descriptor = os.open(folder, os.O_RDONLY)
     try:
         os.fsync(descriptor)

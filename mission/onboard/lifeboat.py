@@ -1,15 +1,15 @@
-"""The last way up, when serve cannot be loaded: of the standard library alone, in one loop.
+"""The last way to the surface if serve cannot be loaded: one loop, the standard library alone.
 
-    the store says under way              --> up with thrust, let go, surface: TURN_S each in turn;
-                                              what makes the depth fall is kept; stop at the surface
-    it says at rest, or nothing is known  --> stop; as above by DEEP_REPORTS that say deep
-    it says nothing                       --> nothing: the error that led here is all
+    the store says          the lifeboat
+    something is under way  tries thrust upward, letting go and W in turn, TURN_S each; it keeps the
+                            one that makes the depth fall, and stops at the surface
+    at rest, or unknown     sends a stop; it ascends as above after DEEP_REPORTS deep reports
+    nothing is under way    does nothing: the error of serve remains
 
-Words, port and bit rate are those of the configuration that worked (serve: working), else the
-AUV's. The port is a serial one, a TCP one, or a bus of Linux (SocketCAN). A depth is read where the
-report is an ``@SD``. No operator is heard and nothing is recorded: whoever reads the journal has to
-mend the program. What does not live here: everything else; an ascent that is flown as it should be
-is the engine's.
+Commands, port and bit rate are those of the last configuration that worked (serve: working), else
+the AUV's. The port is serial, TCP, or a CAN bus of Linux (SocketCAN). The lifeboat reads a depth
+only from an ``@SD``. It obeys no operator and records nothing: whoever reads the journal has to
+repair the program. What does not live here: everything else; the engine flies a proper ascent.
 """
 
 from __future__ import annotations
@@ -33,26 +33,26 @@ from mission.onboard.kept import Homes, default_folder, read_summed
 from mission.onboard.serve.watchdog import Watchdog
 
 TURN_S, FALL_M = 10.0, 0.3
-AGAIN_S, TIMES = 0.5, 3  # a word is said so often: no answer is waited for
-GAP_S = 0.05  # between two frames; the STM32 misreads what comes in one burst
+AGAIN_S, TIMES = 0.5, 3  # s between repeats, times sent: no answer is awaited
+GAP_S = 0.05  # s between two frames: the STM32 misreads frames that come in one burst
 DEEP_M, DEEP_REPORTS = 2.0, 3
-SHALLOW_M, SHALLOW_S = 0.5, 6.0
+ABOVE_M, SHALLOW_M, SHALLOW_S = -0.8, 0.5, 6.0
 STALE_S = 6.0
-REPORT, DEPTH_AT = 86, 19  # of an @SD
+REPORT, DEPTH_AT = 86, 19  # bytes of an @SD, offset of its depth
 AT_REST = (
     *("emergency/stopped", "emergency/surfaced", "the stick", "a stop without", "rest "),
     "something that the store",
 )
 _BUFFER = 4096
-_STANDARD = 0x7FF  # the highest identifier of a bus
+_STANDARD = 0x7FF  # the highest standard CAN identifier
 
 Way = tuple[bytes, ...]
 
 
 @dataclass(frozen=True, slots=True)
 class Plan:
-    """``period``: s, where a board wants to be told again and again; None: it keeps what it was
-    told. ``climbs``: something is under way."""
+    """What to send. ``period``: s between repeats for a board that needs them; None: the board
+    keeps its last command. ``climbs``: something is under way."""
 
     url: str = "serial:///dev/serial0"
     baud: int = 9600
@@ -64,7 +64,7 @@ class Plan:
 
 
 class Climb:
-    """Decides; times are given by who calls."""
+    """Decides what to send. The caller gives the times."""
 
     def __init__(self, plan: Plan, now: float) -> None:
         self._plan, self._climbs = plan, plan.climbs
@@ -84,7 +84,7 @@ class Climb:
 
     @property
     def last_words(self) -> Way:
-        """What may stay in force when nobody is there."""
+        """The command to leave in force when the lifeboat ends; () at rest."""
         return self._ways[0] if self._climbs else ()
 
     def hear(self, depth: float, now: float) -> None:
@@ -97,17 +97,18 @@ class Climb:
             self._change(True, now)
 
     def _at_surface(self, depth: float, now: float, silent: bool) -> bool:
-        """R7: 6 s of shallow depth, no silence among them, and it has changed since the start."""
+        """Whether the depth was shallow for 6 s without a dropout, never 0.8 m or more above the
+        water, and has ever changed (R7)."""
         self._first = depth if self._first is None else self._first
         self._moves = self._moves or depth != self._first
-        if depth >= SHALLOW_M or not self._moves:
+        if not ABOVE_M < depth < SHALLOW_M or not self._moves:
             self._shallow = None
         elif self._shallow is None or silent:
             self._shallow = now
         return self._shallow is not None and now - self._shallow >= SHALLOW_S
 
     def words(self, now: float) -> Way:
-        """What is due."""
+        """The frames that are due."""
         if self._climbs and now - self._since >= TURN_S:
             self._take_turns(now)
         if now < self._due or (self._left <= 0 and self._plan.period is None):
@@ -119,7 +120,7 @@ class Climb:
     def _change(self, climbs: bool, now: float) -> None:
         self._climbs, self._turn, self._start = climbs, 0, self._known(now)
         self._since, self._due, self._left = now, now, TIMES
-        self._shallow = None  # looked for anew, where it climbs again
+        self._shallow = None  # a new climb has to prove it again
 
     def _take_turns(self, now: float) -> None:
         before, depth, self._since = self._start, self._known(now), now
@@ -133,7 +134,7 @@ class Climb:
 
 
 def depths(buffer: bytearray) -> Iterator[float]:
-    """Of the whole reports in it, which are taken out."""
+    """Yield the depth (m) of each whole @SD in the buffer, and remove these reports."""
     while (at := buffer.find(b"@SD")) >= 0 and len(buffer) >= at + REPORT:
         frame = bytes(buffer[at : at + REPORT])
         whole = frame.endswith(b"$")
@@ -145,7 +146,7 @@ def depths(buffer: bytearray) -> Iterator[float]:
 
 
 def plan_from(arguments: Sequence[str], environment: Mapping[str, str]) -> Plan | None:
-    """None: nothing is under way."""
+    """The plan from serve's command line and environment; None if nothing is under way."""
     given = {name: _option(arguments, name) for name in ("--config", "-c", "--folder", "--vehicle")}
     config, folder = given["--config"] or given["-c"], given["--folder"]
     homes = Homes(Path(config) if config else None, Path(folder) if folder else None, environment)
@@ -211,7 +212,7 @@ def _option(arguments: Sequence[str], name: str) -> str:
 
 
 def launch(plan: Plan) -> None:
-    """Until a signal ends it. Raises SystemExit where there is no such port."""
+    """Run until a signal. Raises SystemExit for a kind of port that it cannot open."""
     if _kind(plan.url) not in _OPENS:
         raise SystemExit(
             f"lifeboat: {plan.url}: only serial, tcp and can (socketcan) are open to it"
@@ -236,7 +237,7 @@ def launch(plan: Plan) -> None:
 
 
 def _turn(port: int, plan: Plan, climb: Climb, buffer: bytearray) -> None:
-    """One look at the port. Raises OSError."""
+    """Read what the port has, and send what is due. Raises OSError."""
     if port < 0:
         time.sleep(AGAIN_S)
         return
@@ -261,19 +262,19 @@ def _say(port: int, plan: Plan, way: Way) -> None:
 
 
 def can_frame(record: bytes) -> bytes:
-    """Linux's can_frame of a record of links.can; none for what is of the line beside the bus."""
+    """Linux's can_frame for a record of links.can; b"" if it is for the line beside the bus."""
     identifier, size, data = int.from_bytes(record[:2], "big"), record[2], record[3:]
     return struct.pack("=IB2xB8s", identifier, size, size, data) if identifier <= _STANDARD else b""
 
 
 def _kind(url: str) -> str:
-    """Of its port; another interface of python-can than Linux's own is none."""
+    """The URL's scheme; for CAN by another interface than socketcan, that interface."""
     scheme, interface = url.partition("://")[0], _options(url).get("interface", "socketcan")
     return scheme if scheme != "can" or interface == "socketcan" else interface
 
 
 def opened(plan: Plan) -> int:
-    """-1: not now."""
+    """Open the port; -1 if that fails."""
     try:
         return _OPENS[_kind(plan.url)](plan)
     except (OSError, ValueError):

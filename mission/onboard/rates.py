@@ -1,4 +1,4 @@
-"""How fast each serial port is opened: at its own URL's rate, else at that of its role.
+"""The bit rate of each serial port: the rate in its URL, else that of its role.
 
     vehicle   the rate of its document, or the key ``baud`` of its vehicle file's ``wire``
     gps       9600 bit/s (NMEA 0183 receivers), gps2 as well
@@ -23,7 +23,7 @@ SENSORS_BAUD = 9600
 
 
 def rated(configuration: Configuration, vehicle: Vehicle) -> Configuration:
-    """Every port's URL tells its rate."""
+    """Return the configuration with a bit rate in the URL of each serial port."""
     links = configuration.links
     told = replace(
         links,

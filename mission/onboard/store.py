@@ -1,15 +1,18 @@
 """What outlives the process: the mission's lines, the operator's limits, what is under way.
 
-    <folder>/mission   the accepted lines        Each file: "sha256 <hex of the rest>\\n" and the
-    <folder>/limits    what @SP set              rest. Written beside, flushed, fsynced, renamed
-    <folder>/under-way what must end safely      into place, folder fsynced: after a power cut
-                       after a restart           there is the old content or the new, whole.
+    <folder>/mission    the accepted lines
+    <folder>/limits     the limits that @SP set
+    <folder>/under-way  what must end safely after a restart
 
-StoreError             (the operator must act: disk full, no permission, not a folder)
+StoreError              (the operator must act: disk full, no permission, not a folder)
 
-A file that does not match its own sum, or that the disk does not give back, is damaged. It never
-raises: the mission or the limits in it count as absent, a damaged ``under-way`` as something that
-nobody knows (engine: restart), and ``Stored.damage`` says so in words.
+Each file holds "sha256 <hex of the rest>\\n" and the rest. The store writes a temporary file, syncs
+it, renames it into place and syncs the folder. After a power cut the file has the old content or
+the new, whole.
+
+A file that fails its checksum or cannot be read is damaged. Damage never raises: a damaged mission
+or limits file counts as absent, a damaged ``under-way`` as unknown (engine: restart), and
+``Stored.damage`` describes it.
 
 What does not live here: staging, texts and their compilation (staging, language, compiler).
 """
@@ -28,30 +31,30 @@ from mission.onboard.kept import read_summed, write_summed
 from protocol.messages import SetSafety
 
 NO_LIMITS = SetSafety()
-SPARE, ROOM = "spare", 4096  # a file that gives its bytes to what must be written on a full disk
+SPARE, ROOM = "spare", 4096  # a reserve file and its bytes: deleted if the disk is full
 _V = TypeVar("_V")
 
 
 class StoreError(OSError):
-    """Something could not be made durable; the old content stands."""
+    """The store cannot be used, or a write failed; then the old content stays."""
 
 
 @dataclass(frozen=True, slots=True)
 class Stored:
-    lines: tuple[str, ...] = ()  # of the accepted mission, as @AW brought them; () is none
+    lines: tuple[str, ...] = ()  # of the accepted mission, as received by @AW; () if none
     limits: SetSafety = NO_LIMITS
-    under_way: str = ""  # as Engine.under_way says it; "" is nothing
-    damage: tuple[str, ...] = ()  # what could not be read, in words
+    under_way: str = ""  # as in Engine.under_way; "" if nothing is
+    damage: tuple[str, ...] = ()  # what could not be read, as text
 
 
 def merged(kept: SetSafety, said: SetSafety) -> SetSafety:
-    """What is kept where ``said`` says nothing."""
+    """Return ``kept``, updated with the fields that ``said`` sets."""
     named = {name: value for name, value in _limits(said).items() if value is not None}
     return replace(kept, **named)
 
 
 class Store(Protocol):
-    """Every ``keep_`` returns when its content is durable, or raises StoreError."""
+    """Each ``keep_...`` method returns once its content is durable, or raises StoreError."""
 
     @property
     def content(self) -> Stored: ...
@@ -64,8 +67,8 @@ class Store(Protocol):
 
 
 class MemoryStore:
-    """The twin for tests, simulation and replay. ``failures``: number of the write (from 0) and
-    what it said, so that a replay meets the same full disk."""
+    """A store in memory, for tests, simulation and replay. ``failures``: error text by the number
+    of the write that fails (from 0), so that a replay meets the same full disk."""
 
     def __init__(self, content: Stored | None = None, failures: Mapping[int, str] = {}) -> None:
         self._content, self._failures, self._writes = content or Stored(), failures, 0
@@ -91,7 +94,7 @@ class MemoryStore:
 
 
 class WatchedStore:
-    """Passes on to another store and tells every failure with the number of its write."""
+    """Forwards to another store, and reports each failure with the number of its write."""
 
     def __init__(self, store: Store, failed: Callable[[int, str], None]) -> None:
         self._store, self._failed, self._writes = store, failed, 0
@@ -119,7 +122,7 @@ class WatchedStore:
 
 
 class LostStore:
-    """In place of one that cannot be used: says why, and keeps nothing."""
+    """Stands in for a store that cannot be used: each write raises StoreError with the reason."""
 
     def __init__(self, why: str, under_way: str = UNKNOWN) -> None:
         self.why, self.content = why, Stored(under_way=under_way)
@@ -135,14 +138,14 @@ class LostStore:
 
 
 class DiskStore:
-    """A folder, made if absent. Raises StoreError if it cannot be one."""
+    """A store in a folder, which is created if absent. Raises StoreError if that fails."""
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder
         try:
             folder.mkdir(parents=True, exist_ok=True)
             for left_over in folder.glob("*.new"):
-                with contextlib.suppress(OSError):  # a medium that is read-only can be read
+                with contextlib.suppress(OSError):  # a read-only medium can still be read
                     left_over.unlink()
         except FileExistsError as error:
             raise StoreError(f"the store {folder} cannot be used: it is no folder") from error
@@ -166,7 +169,8 @@ class DiskStore:
         self._content = replace(self._content, limits=limits)
 
     def keep_under_way(self, what: str) -> None:
-        """A full disk has room kept for this: what is over is not to be brought up on deck."""
+        """Write it even on a full disk, after deleting the reserve file: otherwise a restart on
+        deck would surface a vehicle whose mission is over."""
         try:
             self.write("under-way", what)
         except StoreError:
@@ -177,7 +181,7 @@ class DiskStore:
         self._content = replace(self._content, under_way=what)
 
     def _reserve(self) -> None:
-        """Room for one more write, where there is some."""
+        """Create the reserve file, if the disk has room."""
         path = self._folder / SPARE
         with contextlib.suppress(OSError):
             if not path.exists() or path.stat().st_size < ROOM:
@@ -198,7 +202,7 @@ class DiskStore:
     def _limits(self, text: str, damage: list[str]) -> SetSafety:
         try:
             return SetSafety(**json.loads(text))
-        except (ValueError, TypeError):  # of another version
+        except (ValueError, TypeError):  # written by another version
             damage.append(f"{self._folder / 'limits'} is not understood and was not used")
             return NO_LIMITS
 

@@ -1,8 +1,8 @@
-"""Stretches of work without Python's cyclic garbage collector, in as many threads as there are.
+"""Work without Python's cyclic garbage collector, in any number of threads.
 
-The collector would look again and again through all that such work has made, and find nothing.
-What that costs is measured by tests/bench/bench_tricks.py: of judging 1,000 legs some 15 %, in
-pauses in which nothing else runs.
+The collector would scan the new objects of such work again and again, and find nothing to free.
+tests/bench/bench_tricks.py measures the cost: some 15 % of the time to judge 1,000 legs, in pauses
+in which nothing else runs.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ _before = True
 
 @contextlib.contextmanager
 def uncollected() -> Iterator[None]:
-    """The collector is off until the last one inside has left, then as it was before the first."""
+    """Switch the collector off until the last user leaves; then restore its earlier state."""
     global _inside, _before
     with _LOCK:
         if _inside == 0:

@@ -1,10 +1,10 @@
-"""The socket shell around a conversation with a Pi: connects, waits, gives up in words.
+"""The sockets around a conversation with a Pi: connects, waits, and reports failures in words.
 
     Unreachable        (the operator must act: nobody listens, the connection broke)
     Occupied           (another program has the port)
-    BrokenOff          (something else is to be said first)
+    BrokenOff          (something else must be sent first)
 
-What does not live here: what is said (upload). Reads the monotonic clock, for its own waiting.
+What does not live here: what is sent (upload). Reads the monotonic clock, for its own waiting.
 """
 
 from __future__ import annotations
@@ -23,8 +23,8 @@ from mission.topside.upload import upload as upload_script
 
 NAME = "vehicle"
 LOOK_S = 0.02
-BREAK_S = 0.2  # within which a conversation breaks off
-HANDSHAKE_S = 60  # of a monitor: as long as it gives its viewers
+BREAK_S = 0.2  # time in which a conversation breaks off
+HANDSHAKE_S = 60  # handshake of a monitor: as long as it allows its viewers
 
 
 class Unreachable(OperatorError):
@@ -45,7 +45,7 @@ def _never() -> bool:
 
 
 class Talk(Protocol):
-    """What ``hold`` needs of a conversation, over whatever medium."""
+    """The interface of a conversation that ``hold`` needs, over any medium."""
 
     @property
     def over(self) -> bool: ...
@@ -61,7 +61,8 @@ class Talk(Protocol):
 
 
 def converse(url: str, script: Script, broken: Callable[[], bool] = _never) -> str:
-    """What the script achieved. ``broken``: to be broken off. Raises OperatorError."""
+    """Run a script and return its result. ``broken``: whether to break off. Raises
+    OperatorError."""
     modem = modem_address(url)
     if modem is not None:
         return hold(modem.link, Submerged(script, modem.acoustics), broken)
@@ -71,7 +72,7 @@ def converse(url: str, script: Script, broken: Callable[[], bool] = _never) -> s
 def upload(
     url: str, lines: Sequence[str], digest: str, progress: Callable[[int, int], None]
 ) -> str:
-    """Line by line, or in batches where a modem is between. Raises OperatorError."""
+    """Upload line by line, or in batches through a modem. Raises OperatorError."""
     modem = modem_address(url)
     if modem is not None:
         return hold(modem.link, BatchTalk(lines, digest, modem.acoustics, progress))
@@ -79,7 +80,7 @@ def upload(
 
 
 def hold(url: str, talk: Talk, broken: Callable[[], bool] = _never) -> str:
-    """The conversation over the link of this URL. Raises OperatorError."""
+    """Hold a conversation over the link of this URL. Raises OperatorError."""
     try:
         link = open_link(NAME, url)
     except LinkBusy as error:
@@ -109,8 +110,8 @@ def hold(url: str, talk: Talk, broken: Callable[[], bool] = _never) -> str:
 
 
 def overhear(url: str) -> Iterator[Rx]:
-    """Yields what comes over the link, for ever; b"" every ``LOOK_S`` in which nothing does. ``t``
-    is in s since 1970 UTC, and does not jump with the clock. Raises LinkError."""
+    """Yield what the link receives, without end; b"" after every ``LOOK_S`` without any. ``t`` is
+    in s since 1970 UTC, and does not jump with the clock. Raises LinkError."""
     link = open_link("port", url)
     zero = time.time() - time.monotonic()
     try:
@@ -123,8 +124,8 @@ def overhear(url: str) -> Iterator[Rx]:
 
 
 def speak(url: str, data: bytes, repeat: tuple[float, float], answers: float) -> Iterator[Rx]:
-    """The bytes, again every ``repeat[0]`` s for ``repeat[1]`` s, and what comes back until
-    ``answers`` s later. Times as of ``overhear``. Raises LinkError."""
+    """Send the bytes, again every ``repeat[0]`` s for ``repeat[1]`` s, and yield what is received
+    until ``answers`` s later. Times as in ``overhear``. Raises LinkError."""
     every, seconds = repeat
     link = open_link("port", url)
     begun = due = time.monotonic()
@@ -145,15 +146,15 @@ def _heard(link: Link, now: float) -> Iterator[Rx]:
 
 
 def patient(url: str) -> str:
-    """Gives the handshake as much time as the monitor allows: a thin radio needs half a minute."""
+    """Give the handshake as much time as the monitor allows: a slow radio needs half a minute."""
     if not url.startswith("tls://") or "handshake=" in url:
         return url
     return f"{url}{'&' if '?' in url else '?'}handshake={HANDSHAKE_S}"
 
 
 def observe(url: str, wish: bytes, watched: Watched) -> Iterator[Frame | None]:
-    """The frames of a monitor, for ever, each answered; None every ``LOOK_S`` in which none comes.
-    Raises LinkError, NoMonitor."""
+    """Yield the frames of a monitor, without end, and answer each; None after every ``LOOK_S``
+    without a frame. Raises LinkError, NoMonitor."""
     link = open_link("monitor", patient(url))
     try:
         link.send(wish, time.monotonic())

@@ -1,6 +1,6 @@
-"""What the boat itself makes of a vehicle that it watches: contacts kept, and its own alarms.
+"""The boat's own knowledge of a vehicle that it watches: stored contacts, and its own alarms.
 
-What does not live here: what is kept (dives), what overdue means (overdue).
+What does not live here: what is stored (dives), what overdue means (overdue).
 """
 
 from __future__ import annotations
@@ -17,23 +17,23 @@ from mission.topside.overdue import Contact, contact_with, plan_of
 from mission.topside.sources import ASK_UNDER_WATER_S
 from mission.topside.underwater import PREFIX
 
-KEEP_S = 10.0  # between two contacts that are kept
-SILENT_S = 5.0  # without a frame: nothing shown is of now
-SILENT_UNDER_WATER_S = 2 * ASK_UNDER_WATER_S + SILENT_S  # of the modem: two looks that failed
+KEEP_S = 10.0  # between two contacts that are stored
+SILENT_S = 5.0  # without a frame: after that, nothing shown is current
+SILENT_UNDER_WATER_S = 2 * ASK_UNDER_WATER_S + SILENT_S  # by modem: two looks that failed
 
 
 class Contacts:
-    """``to``: where the vehicle's commands go, by which it is remembered; "": it is not."""
+    """``to``: where the vehicle's commands go, the key of its entry; "": nothing is stored."""
 
     def __init__(self, to: str, memory: Path, vehicle: str | None = None) -> None:
-        """``vehicle``: a file or a shipped one's name; None: the one that a mission names."""
+        """``vehicle``: a file or the name of a shipped one; None: the one that a mission names."""
         self.dives = Dives(memory)
         self._to, self._kept, self._vehicle = to, -KEEP_S, vehicle
-        self._learned: tuple[str, tuple[str, ...]] = ("", ())  # digest and lines looked at last
+        self._learned: tuple[str, tuple[str, ...]] = ("", ())  # digest and lines checked last
         self.silent_s = SILENT_UNDER_WATER_S if to.startswith(PREFIX) else SILENT_S
 
     def remember(self, watched: Watched, now: float) -> None:
-        """Keeps the last contact every few seconds, for whoever has to search."""
+        """Store the last contact every few seconds, for a search."""
         if watched.at is None or not self._to or now < self._kept + KEEP_S:
             return
         self._kept = now
@@ -41,12 +41,12 @@ class Contacts:
         self.dives.contact(self._to, _contact(watched, now))
 
     def started(self, digest: str) -> None:
-        """It has just been started from here."""
+        """Note that the mission was just started from here."""
         if self._to:
             self.dives.started(self._to, digest, time.time())
 
     def _learn(self, watched: Watched) -> None:
-        """What is proved of a mission that was not uploaded from here, in a thread of its own."""
+        """Check a mission that was not uploaded from here, in a separate thread."""
         told = digest, lines = str(watched.state.get("mission") or ""), watched.plan
         if not digest or not lines or told == self._learned:
             return
@@ -55,7 +55,8 @@ class Contacts:
             threading.Thread(target=self._prove, args=told, daemon=True).start()
 
     def _prove(self, digest: str, lines: tuple[str, ...]) -> None:
-        """Nothing where it is not all told so far, or of a vehicle that is not known here."""
+        """Store what the check proves; nothing if the mission is incomplete or its vehicle
+        unknown."""
         try:
             prepared = prepare_text("\n".join(lines), "script", self._vehicle)
         except Unreadable:
@@ -65,7 +66,7 @@ class Contacts:
             self.dives.uploaded(digest, plan_of(prepared, proved))
 
     def alarms(self, watched: Watched, now: float, live: bool) -> tuple[Alarm, ...]:
-        """What the boat alone knows: silence, overdue."""
+        """Return the alarms that only the boat can know: silence, overdue."""
         silent = watched.silence(now) if live else None
         gone = silent is not None and silent > self.silent_s
         is_heard = silent is not None and not gone
@@ -77,12 +78,13 @@ class Contacts:
         return missing(self.dives.missed(self._to, wall), self._to, wall)
 
     def due(self) -> float | None:
-        """When it is at the surface at the latest, s since 1970 UTC; None: nobody knows."""
+        """Return when the vehicle is at the surface at the latest, s since 1970 UTC; None: not
+        known."""
         return self.dives.of(self._to).due if self._to else None
 
 
 def _contact(watched: Watched, now: float) -> Contact:
     silent, begun = watched.silence(now), watched.age("mission_began", now)
-    assert silent is not None  # it was heard
+    assert silent is not None  # a frame was received
     wall = time.time()
     return contact_with(watched.state, wall - silent, None if begun is None else wall - begun)

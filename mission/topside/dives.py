@@ -1,16 +1,16 @@
-"""What the boat remembers between two commands: plans, starts, last contacts, and who is where.
+"""The boat's memory between two commands: plans, starts, last contacts, and addresses.
 
     <folder>/dives.json     {"plans": {digest: Plan}, "boats": {address: Dive},
                              "ways": {address: address}}, the newest ``KEPT`` of each
 
-A vehicle is remembered by the address it was first heard at or started by: a URL without what
-stands behind its ``?``. Other ways lead to the same one: an address at which a vehicle answers that
-is under way with a mission that one vehicle alone is known to be under way with is another way to
-that one, until another mission is told there. So a start by TCP is known by modem, too. Where
+A vehicle is stored under the address at which it was first heard or started: a URL without the part
+after ``?``. Other addresses can lead to the same vehicle. If a vehicle answers at an address, under
+way with a mission that only one known vehicle is under way with, the address is another way to that
+vehicle, until another mission is reported there. So a start by TCP is known by modem, too. If
 nothing says which vehicle a silent address leads to, it may be any that is under way.
 
-A file that cannot be read or written costs no command: then nobody knows when the vehicle is
-overdue, and the words say so. What does not live here: what follows from it (overdue).
+A file that cannot be read or written fails no command. Then nobody knows when the vehicle is
+overdue, and the texts say so. What does not live here: what follows from it (overdue).
 """
 
 from __future__ import annotations
@@ -28,10 +28,10 @@ from mission.model.plain import from_plain, to_plain
 from mission.topside.overdue import Contact, Dive, Plan, heard, overdue
 
 FILE = "dives.json"
-KEPT = 50  # of plans, of vehicles, and of ways
-DIGITS = 16  # of a digest
-ONE_START_S = 60.0  # what two tell of one start lies within
-SEARCHED_S = 3 * 86400.0  # behind its due time a dive is told on ways that may be another's
+KEPT = 50  # plans, vehicles and ways, each
+DIGITS = 16  # digits of a digest
+ONE_START_S = 60.0  # two reports of one start differ by less
+SEARCHED_S = 3 * 86400.0  # after its due time: so long it is reported for silent addresses
 
 Tables = dict[str, dict[str, Any]]
 
@@ -50,8 +50,8 @@ class Dives:
         return _dive(found, _known_by(found, _address(url)))
 
     def missed(self, url: str, now: float) -> Mapping[str, Dive]:
-        """What a silence there may be of, by its address: the dive that is known to be under way
-        there, else any other."""
+        """Return the dives that a silence at ``url`` may concern, by address: the dive known to be
+        under way there, else any other."""
         found = self._read()
         name = _known_by(found, _address(url))
         own = _dive(found, name)
@@ -74,7 +74,7 @@ class Dives:
             self._write(found)
 
     def started(self, url: str, digest: str, wall: float) -> None:
-        """Notes a start. Of a dive that goes on the time has begun before."""
+        """Note a start. A dive that continues keeps its start time."""
         with self._held:
             found = self._read()
             name, plan = _known_by(found, _address(url)), _plan(found, digest)
@@ -110,7 +110,7 @@ class Dives:
 
 
 def missing(found: Mapping[str, Dive], own: str, now: float) -> str:
-    """What is overdue of ``found`` in words, "" for nothing. ``own``: the URL that is asked."""
+    """Describe what is overdue in ``found``, "" for nothing. ``own``: the URL that is asked."""
     told = {name: overdue(dive, now) for name, dive in found.items()}
     return "; ".join(
         words if name == _address(own) else f"{_called(name, found[name])}: {words}"
@@ -138,7 +138,7 @@ def _put(table: dict[str, Any], key: str, plain: Any) -> None:
 
 
 def _known_by(found: Tables, way: str) -> str:
-    """The address that a vehicle which answers there is remembered by."""
+    """Return the address under which a vehicle that answers there is stored."""
     name = found["ways"].get(way)
     return name if isinstance(name, str) and name in found["boats"] else way
 
@@ -158,11 +158,10 @@ def _plan(found: Tables, digest: str) -> Plan | None:
 
 
 def _answering(found: Tables, way: str, contact: Contact) -> str:
-    """The address that the vehicle which answered there is remembered by; what is learned of ways
-    is kept."""
+    """Return the address under which the vehicle that answered there is stored; update the ways."""
     name = _known_by(found, way)
     if name != way and contact.mission and contact.mission != _dive(found, name).mission:
-        del found["ways"][way]  # there is another vehicle
+        del found["ways"][way]  # another vehicle is there
         name = way
     if name == way and _dive(found, way).started is None:
         same = [one for one in found["boats"] if one != way and _is_of(_dive(found, one), contact)]
@@ -173,7 +172,8 @@ def _answering(found: Tables, way: str, contact: Contact) -> str:
 
 
 def _is_of(dive: Dive, contact: Contact) -> bool:
-    """Idle on deck may be any that holds the mission: then it is not said to be the same."""
+    """Whether the contact belongs to the dive. An idle vehicle may be any that holds the mission,
+    so it never does."""
     if dive.started is None or contact.is_over or not contact.mission:
         return False
     at_once = contact.began is None or abs(contact.began - dive.started) < ONE_START_S
@@ -181,8 +181,9 @@ def _is_of(dive: Dive, contact: Contact) -> bool:
 
 
 def _begun(found: Tables, before: Dive, contact: Contact) -> Dive:
-    """Also a dive that somebody else started: at once where it tells when it began, else when it
-    was heard under way twice, so that whoever starts it from here has noted that meanwhile."""
+    """Update a dive, also one that somebody else started. It begins at once if the vehicle reports
+    when it began. Else it begins when the vehicle was under way in two contacts, so that a start
+    from here is noted first."""
     dive, seen = heard(before, contact), before.contact
     if dive.started is not None or not contact.is_under_way:
         return dive

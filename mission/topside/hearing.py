@@ -1,4 +1,4 @@
-"""What is heard on a link, frame by frame, each with its time. Sans-IO.
+"""The frames received on a link, each with its time. Sans-IO.
 
     bytes, their time --Hearing--> Heard (frame or fault, its bytes, its time)
 
@@ -22,13 +22,13 @@ from protocol.modem import BAUD as MODEM
 from protocol.tolerances import Tolerances
 from protocol.vehicles import VEHICLES, line_rate
 
-_RECEIVER = 9600  # bit/s: what is no vehicle's
+_RECEIVER = 9600  # bit/s: of links that belong to no vehicle
 _CAN_HEAD = 3  # identifier u16, length u8
 
 
 @dataclass(frozen=True, slots=True)
 class Heard:
-    """``way``: which of several streams it is of, "" where there is but one."""
+    """A frame or a fault. ``way``: its stream, "" if there is only one."""
 
     t: float
     item: Frame | FrameFault
@@ -41,14 +41,14 @@ class Heard:
 
 
 class Hearing:
-    """A link with all its streams: each direction, and each peer, is one of its own."""
+    """A link with all its streams: each direction and each peer is a stream of its own."""
 
     def __init__(self, row: LinkRow, tolerances: Tolerances) -> None:
         self._row, self._tolerances = row, tolerances
         self._streams: dict[str, _Stream] = {}
 
     def receive(self, rx: Rx) -> Iterator[Heard]:
-        """Also with no bytes: what is unfinished is given up in time (G3)."""
+        """Also call it without bytes: unfinished frames are given up in time (G3)."""
         if not rx.data:
             for stream in self._streams.values():
                 yield from stream.receive(b"", rx.t)
@@ -67,7 +67,7 @@ class _Stream:
     def __init__(self, row: LinkRow, tolerances: Tolerances, way: str) -> None:
         self._framer, self._way = row.framer(tolerances), way
         self._datagrams = row.line is not None
-        self._bytes, self._base = bytearray(), 0  # what is not told yet, and where it begins
+        self._bytes, self._base = bytearray(), 0  # bytes that are not yielded yet, and their offset
         self._t = 0.0
 
     def receive(self, data: bytes, t: float) -> Iterator[Heard]:
@@ -94,7 +94,7 @@ class _Stream:
         self._forget()
 
     def _forget(self) -> None:
-        """Of a fault without end only the last bytes can be shown."""
+        """Of a fault without end keep only the last bytes."""
         if len(self._bytes) > 2 * _LONGEST:
             gone = len(self._bytes) - _LONGEST
             del self._bytes[:gone]
@@ -105,7 +105,7 @@ _LONGEST = 1 << 16  # bytes
 
 
 def with_baud(url: str, link: str) -> str:
-    """A serial port's URL that names no bit rate, with that of the link's document. Raises
+    """Add the bit rate of the link's document to a serial port's URL without one. Raises
     LinkAddressError."""
     if parse_address(url).scheme != "serial":
         return url
@@ -117,7 +117,7 @@ def with_baud(url: str, link: str) -> str:
 
 
 def on_record(row: LinkRow, data: bytes) -> bytes:
-    """As the command decode reads it: CAN frames one a line, anything else as it came."""
+    """Return the form that the command decode reads: one CAN frame per line, all else unchanged."""
     if row.line is None:
         return data
     return b"%03X#%b\n" % (int.from_bytes(data[:2], "big"), data[_CAN_HEAD:].hex().encode())
@@ -139,7 +139,7 @@ def as_object(heard: Heard, raw: bool) -> dict[str, object]:
 
 
 def as_line(heard: Heard, raw: bool) -> str:
-    """In the local time of the computer."""
+    """Return a line, with the computer's local time."""
     item = heard.item
     clock = _stamp(heard.t).astimezone().strftime("%H:%M:%S.%f")[:-3]
     if isinstance(item, FrameFault):
@@ -168,6 +168,6 @@ def _shown(values: Mapping[str, object]) -> str:
 def _value(value: object) -> str:
     if value is None:
         return "-"
-    if isinstance(value, str):  # of whatever is on the line, in somebody's terminal
+    if isinstance(value, str):  # a string from the line must not control the terminal
         return value.encode("unicode_escape").decode("ascii")
     return f"{value:.9g}" if isinstance(value, float) else str(value)

@@ -1,12 +1,12 @@
 """An operator's hand as M commands (document 000, table 1.2.2). Sans-IO.
 
     silent --dead man held, and pushed--> driving --let go, or lost--> ending --> silent
-           every 200 ms a word for each axis that is pushed (R1); @MMF0$ twice at the end
+           every 200 ms a command for each axis that is pushed (R1); @MMF0$ twice at the end
 
-Only a push begins: a word that moves nothing would keep an emergency from being taken over, and so
-would one that comes within 2 s of any other (R6). Mains and verticals are words of their own, and
-an axis that is let go is told so; of surge and turn, which move the same thrusters, the stronger
-counts. What does not live here: where the hand is (keyboard, joystick), the vehicle's dead man.
+Only a push begins. A neutral command would prevent taking over an emergency, and so would one that
+comes within 2 s of any other (R6). Mains and verticals have separate commands. When an axis is let
+go, a neutral command for it is sent. Surge and turn move the same thrusters: the stronger counts.
+What does not live here: where the hand is (keyboard, joystick), the vehicle's dead man.
 """
 
 from __future__ import annotations
@@ -15,14 +15,14 @@ import math
 from dataclasses import dataclass
 
 PERIOD_S = 0.2  # R1
-ENDS = 2  # neutral words at the end (R1)
-GEARS, TURNS = 12, 5  # full: MM, MR
+ENDS = 2  # neutral commands at the end (R1)
+GEARS, TURNS = 12, 5  # the greatest values of MM and MR
 NEUTRAL, LEVEL = b"@MMF0$", b"@MMU0$"
 
 
 @dataclass(frozen=True, slots=True)
 class Push:
-    """Shares of full, -1 to 1: ahead, to starboard, up. ``aside``: an output beside them needs the
+    """Shares of full, -1 to 1: ahead, to starboard, up. ``aside``: another output needs the
     stick."""
 
     surge: float = 0.0
@@ -54,12 +54,12 @@ def _level(share: float, full: int) -> int:
 
 
 class Helm:
-    """``hold`` says where the hand is, ``words`` what is sent now."""
+    """``hold`` takes the position of the hand, ``words`` returns the commands to send now."""
 
     def __init__(self) -> None:
         self._push: Push | None = None
         self._driving, self._ends = False, 0
-        self._lifted = False  # the verticals have been moved since all was neutral
+        self._lifted = False  # a vertical command was sent since all was neutral
         self._due = -math.inf
         self._locked = False
 
@@ -69,11 +69,11 @@ class Helm:
 
     @property
     def is_locked(self) -> bool:
-        """It was dropped, and the dead man has not been let go since."""
+        """Whether it was dropped, and the dead man has not been let go since."""
         return self._locked
 
     def hold(self, push: Push | None) -> None:
-        """None: the dead man is let go, or nobody knows."""
+        """None: the dead man is let go, or its state is not known."""
         self._locked = self._locked and push is not None
         if self._locked:
             return
@@ -85,7 +85,7 @@ class Helm:
             self._due = -math.inf  # at once
 
     def drop(self) -> None:
-        """Behind a stop: silent at once, until the dead man is let go."""
+        """After a stop: be silent at once, until the dead man is let go."""
         self._push, self._driving, self._ends = None, False, 0
         self._lifted, self._locked = False, True
 
@@ -107,10 +107,10 @@ class Helm:
         self._lifted = self._lifted or up != LEVEL
         if along == NEUTRAL:
             still.append(NEUTRAL)
-        return moving + still  # what moves first: it may take over an emergency
+        return moving + still  # motion first: only that may take over an emergency
 
     def _lower(self) -> list[bytes]:
-        """Ends the verticals while they may still be on, once more with the last word."""
+        """Stop the verticals while they may still be on, and once more with the last command."""
         told = [LEVEL] if self._lifted else []
         if not self._driving and not self._ends:
             self._lifted = False

@@ -3,9 +3,9 @@
     event: u32 time | i16 value | u8 type (1 button, 2 axis; + 0x80: as it was at the opening) |
            u8 number            (linux/joystick.h)
 
-The dead man is a button that has to be held; one that was held before the pad was opened counts
-only when it is pressed again. A pad of which nothing has come for ``SILENT_S`` is taken for lost: a
-wireless one out of reach leaves its last values standing.
+The dead man is a button that must be held. If it was held before the pad was opened, it counts only
+when it is pressed again. A pad that sends nothing for ``SILENT_S`` counts as lost: a wireless one
+out of reach keeps its last values.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ _FULL = 32767.0
 
 @dataclass(frozen=True, slots=True)
 class Layout:
-    """Numbers of axes and of the dead man's button, as `jstest` shows them. Ahead and up are
+    """Numbers of the axes and of the dead man's button, as `jstest` shows them. Ahead and up are
     negative values."""
 
     turn: int = 0
@@ -34,7 +34,7 @@ class Layout:
 
 
 class Joystick:
-    """``share`` is the part of full that a full deflection asks for."""
+    """``share``: the share of full thrust at full deflection."""
 
     def __init__(self, layout: Layout, share: float) -> None:
         self._layout, self._share = layout, share

@@ -5,8 +5,9 @@
     x             stop everything (X)                       q                       let go and end
     others        outputs of the vehicle file, as they are named: set, or set while held
 
-A terminal tells of no key that is let go: it repeats the key while it is held, the first time after
-half a second or so. So one stroke counts for ``FIRST_S``, and each further one for ``NEXT_S``.
+A terminal does not report when a key is let go. It repeats the key while it is held, the first time
+after about half a second. So the first stroke counts for ``FIRST_S``, each further one for
+``NEXT_S``.
 """
 
 from __future__ import annotations
@@ -37,35 +38,36 @@ class Wish(enum.Enum):
 
 @dataclass(frozen=True, slots=True)
 class Switch:
-    """What a key does to an output. ``otherwise``: once it is let go; None: it stays."""
+    """What a key does to an output. ``otherwise``: its value once the key is let go; None: it
+    stays."""
 
     name: str
     value: float
     otherwise: float | None = None
 
 
-Switches = Mapping[bytes, tuple[Switch, ...]]  # by their keys
+Switches = Mapping[bytes, tuple[Switch, ...]]  # by key
 _WISHES = {b"x": Wish.STOP, b"X": Wish.STOP, b"q": Wish.QUIT, b"Q": Wish.QUIT}
 _ASIDE = Push(aside=True)
 _NONE: Switches = MappingProxyType({})
 
 
 def is_free(key: bytes) -> bool:
-    """Whether it may be an output's."""
+    """Whether the key may be assigned to an output."""
     taken = {*_PUSHES, *_WISHES, b"+", b"-", b" "}
     return len(key) == 1 and key.isascii() and key not in taken and key.isalpha()
 
 
 class Keyboard:
-    """``gear`` is how strong a push is."""
+    """``gear``: the strength of a push."""
 
     def __init__(self, gear: int = USUAL, switches: Switches = _NONE) -> None:
         self.gear, self._switches = gear, switches
         self._key, self._until = b"", 0.0
-        self._held = b""  # whose outputs are set until it is let go
+        self._held = b""  # the key whose outputs are set until it is let go
 
     def press(self, data: bytes, now: float) -> list[Wish | SetOutput]:
-        """What was typed, beyond pushes and gears."""
+        """Take typed keys; return the wishes beyond pushes and gears."""
         wishes: list[Wish | SetOutput] = []
         for key in _KEY.findall(data):
             repeats = key == self._key and now < self._until
@@ -84,7 +86,7 @@ class Keyboard:
         return wishes
 
     def let_go(self, now: float) -> list[SetOutput]:
-        """Outputs whose key is held no longer."""
+        """Reset the outputs whose key is no longer held."""
         if not self._held or (self._held == self._key and now < self._until):
             return []
         held, self._held = self._switches[self._held], b""

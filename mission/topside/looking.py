@@ -1,8 +1,8 @@
-"""What `auvmission status` can know of a vehicle by its port, and how old that is. Sans-IO.
+"""What `auvmission status` learns of a vehicle by its port, and how old that is. Sans-IO.
 
-``@AE`` tells the state and the ages of the last report and fix, ``@VS`` what these were.
-A vehicle that knows no ``@AE`` (an older program) tells no age: then ``@VS`` is asked for again,
-and what has changed since is new. Under water, where answers take seconds, it is asked for once.
+``@AE`` reports the state and the ages of the last report and fix, ``@VS`` their contents. A vehicle
+without ``@AE`` (an older program) reports no age. Then ``@VS`` is requested again, and values that
+have changed are new. Under water, where answers take seconds, it is requested only once.
 
 What does not live here: how it is shown (showing).
 """
@@ -28,14 +28,14 @@ LOOKS = 3  # a second apart: the slowest board reports every 2 s
 SURFACE_M = 0.5
 NEW = "new"
 _NO_FIX_FOR = "LAST FIX: none has come for"
-STALE_S = 5.0  # the vehicle's own files say the same, and its alarm counts
+STALE_S = 5.0  # the vehicle files and the vehicle's own alarm use the same time
 FIX_EVERY_S = 2.0
 
 
 @dataclass(frozen=True, slots=True)
 class Looked:
-    """The first and the last of the reports, ``looks`` seconds apart at least. ``waited``: s since
-    ``state`` was told."""
+    """The first and the last of the reports, at least ``looks`` seconds apart. ``waited``: s since
+    ``state`` was received."""
 
     first: Status
     last: Status
@@ -46,12 +46,12 @@ class Looked:
 
     @property
     def is_settled(self) -> bool:
-        """A further look would tell nothing more."""
+        """Whether a further look would show nothing more."""
         return self.reports == NEW and not self.position.startswith(_NO_FIX_FOR)
 
     @property
     def report_age(self) -> float | None:
-        """s, at most; None: not known, or no report ever came."""
+        """s, at most; None if not known, or if no report ever came."""
         return _older(self.state.report_age if self.state else None, self.waited)
 
     @property
@@ -95,7 +95,7 @@ def look(
     under_water: bool = False,
     now: Callable[[], float] = lambda: 0.0,
 ) -> Script:
-    """``now``: any clock of this computer, s. Raises NoAnswer."""
+    """Look at a vehicle. ``now``: any clock of this computer, s. Raises NoAnswer."""
     told = yield Ask("state", StateQuery(), lambda a: isinstance(a, StateReport))
     state, told_at = (told if isinstance(told, StateReport) else None), now()
     first = yield Ask("status", DataQuery(), _is_status)
@@ -129,7 +129,7 @@ def _place(fix: Fix) -> tuple[float, float]:
 
 
 def _tells(told: Status) -> bool:
-    """Anything of the vehicle's own sensors."""
+    """Whether the status has any value of the vehicle's own sensors."""
     own = told.telemetry
     if own is None:
         return False

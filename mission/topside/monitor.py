@@ -16,8 +16,8 @@ from typing import Any
 from mission.model.past import Past, is_row
 
 MOST = 1 << 20  # bytes of one frame
-EVENTS, TRACK = 1000, 10_000  # that are kept
-SPARE = 1000  # points more, before the oldest are let go
+EVENTS, TRACK = 1000, 10_000  # numbers of them that are kept
+SPARE = 1000  # points in excess before the oldest are dropped
 
 
 Frame = Mapping[str, Any]
@@ -28,20 +28,20 @@ _PARTS: Mapping[str, tuple[type, ...]] = {
 
 
 class NoMonitor(ValueError):
-    """What answers there is no monitor."""
+    """The peer that answers is not a monitor."""
 
 
 def wish(
     rate: float = 5.0, most: int = 16_000, values: tuple[str, ...] = (), **more: bool | str
 ) -> bytes:
-    """What a viewer says first; ``more``: ``track``, ``plan``, ``past``."""
+    """Return a viewer's first message; ``more``: ``track``, ``plan``, ``past``."""
     said = {"rate": rate, "bytes": most, "values": list(values), **more}
     return json.dumps({"wish": said}).encode() + b"\n"
 
 
 class Watched:
     """All that a viewer knows of a vehicle. ``at``: the engine's time of the newest frame, and this
-    computer's at which it came."""
+    computer's time at which it came."""
 
     def __init__(self) -> None:
         self.state: dict[str, Any] = {}
@@ -49,19 +49,19 @@ class Watched:
         self.track: list[list[float]] = []
         self.plan: tuple[str, ...] = ()
         self.past = Past()
-        self.gap = self.told = 0  # events that are missing, and that came
+        self.gap = self.told = 0  # events that are missing; events that came
         self.at: tuple[float, float] | None = None
         self._heard = b""
-        self._told_before: Counter[str] = Counter()  # lines that may be told again
+        self._told_before: Counter[str] = Counter()  # lines that may be repeated
 
     def connected(self) -> None:
-        """What comes from here on begins with a whole frame, and tells the whole plan; the newest
-        events are told again, and are none."""
+        """A new connection begins with a whole frame and sends the whole plan. It also repeats the
+        newest events, which do not count again."""
         self._heard, self.plan = b"", ()
         self._told_before = Counter(self.events)
 
     def receive(self, data: bytes, now: float) -> tuple[list[Frame], bytes]:
-        """The frames that are whole, and the answers that leave. Raises NoMonitor."""
+        """Return the complete frames, and the answers to send. Raises NoMonitor."""
         *lines, self._heard = (self._heard + data).split(b"\n")
         if len(self._heard) > MOST:
             raise NoMonitor("no monitor: a line without end")
@@ -72,7 +72,7 @@ class Watched:
 
     def take(self, frame: Mapping[str, Any], now: float) -> None:
         if self.at is not None and frame["t"] < self.at[0]:
-            self._told_before.clear()  # it began anew, and so do its lines
+            self._told_before.clear()  # the program restarted, and so do its lines
             self.past = Past()
         self.at = (frame["t"], now)
         self.state.update(frame.get("state", {}))
@@ -85,11 +85,11 @@ class Watched:
         self.track += frame.get("track", ())
         if len(self.track) > TRACK + SPARE:
             self.track = self.track[-TRACK:]
-        for line in frame.get("plan", ()):  # "" begins another
+        for line in frame.get("plan", ()):  # "" begins another plan
             self.plan = (*self.plan, line) if line else ()
 
     def _new(self, events: Sequence[str]) -> Sequence[str]:
-        """Returns the events that were not told before: all from the first new one on."""
+        """Return the events from the first new one on."""
         for number, line in enumerate(events):
             if not self._told_before[line]:
                 self._told_before.clear()
@@ -98,11 +98,12 @@ class Watched:
         return ()
 
     def silence(self, now: float) -> float | None:
-        """s since the last frame; None: none came."""
+        """Return the time since the last frame, s; None if none came."""
         return None if self.at is None else max(0.0, now - self.at[1])
 
     def age(self, name: str, now: float) -> float | None:
-        """s since the vehicle measured it; ``name``: report_at, fix_at, leg_began, ..."""
+        """Return the time since the vehicle measured it, s; ``name``: report_at, fix_at, leg_began,
+        ..."""
         measured = self.state.get(name)
         if self.at is None or measured is None:
             return None

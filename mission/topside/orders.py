@@ -1,18 +1,18 @@
-"""What an operator's program says of X and W: only what a report shows is called done. Sans-IO.
+"""An operator's X and W: an order counts as done only when a report shows it. Sans-IO.
 
     X or W --@ACK_Z.Y--> @DU, @DU, ... until a report from after it shows
                          stop:     every thruster off
                          surface:  the surface, or a depth that has fallen by ``RISEN_M``,
                                    by @AE: a depth that its program believes, the surface proved
-           --> @AQ: what the vehicle's program itself holds against it
+           --> @AQ: a contradiction that the vehicle's program itself reports
 
-An acknowledgement proves nothing, and behind a board that acknowledges nothing it says only that
-the order was sent (R16, R17). A report is from after the order when its time is another one than
-that of the first one that was told. The robot of document 004 tells the boat neither thrusters nor
-depth: nothing confirms its stop.
+An acknowledgement proves nothing. From a board that acknowledges nothing it says only that the
+order was sent (R16, R17). A report is from after the order if its time differs from that of the
+first report received. The robot of document 004 reports neither thrusters nor depth to the boat:
+nothing confirms its stop.
 
-    Contradicted   (the reports show the opposite; the vehicle's program goes on sending it)
-    Unconfirmed    (it was sent; nothing that was reported shows that it is obeyed)
+    Contradicted   (the reports show the opposite; the vehicle's program keeps sending it)
+    Unconfirmed    (it was sent; no report shows that it is obeyed)
 
 What does not live here: who waits (console), the vehicle's side (topside).
 """
@@ -56,8 +56,8 @@ class Unconfirmed(OperatorError):
 
 @dataclass(frozen=True, slots=True)
 class Seen:
-    """What reports show of an order. ``shown``: that it is obeyed; ``words``: in either case;
-    both None and "" where they show neither. ``up``: it is at the surface."""
+    """What reports show of an order. ``shown``: whether it is obeyed, None if they show neither.
+    ``words``: a description. ``up``: the vehicle is at the surface."""
 
     shown: bool | None
     words: str
@@ -67,7 +67,7 @@ class Seen:
 def order(
     which: Order, tell: Callable[[str], None] = lambda _: None, *, under_water: bool = False
 ) -> Script:
-    """STOP or SURFACE. ``tell`` gets what is known before the reports are looked at. Raises
+    """Order STOP or SURFACE. ``tell`` gets what is known before the reports are checked. Raises
     NoAnswer, Contradicted, Unconfirmed."""
     what = WORDS[which]
     answer = yield Ask(what, Emergency(which), _is_taken(which), tries=ORDER_TRIES, by_clock=True)
@@ -88,7 +88,7 @@ def order(
 
 
 def _look(which: Order, looks: int) -> Generator[Ask, Answer | None, Seen]:
-    """Asks for reports until one shows the order obeyed, or as often as it may."""
+    """Ask for reports until one shows that the order is obeyed, at most ``looks`` times."""
     judge = _stopped if which is Order.STOP else _surfaced
     first = yield from _report()
     seen, fresh = Seen(None, "no report of the vehicle has come since"), list[Status]()
@@ -115,8 +115,8 @@ def _report() -> Generator[Ask, Answer | None, Status | None]:
 
 
 def _as_believed(seen: Seen) -> Generator[Ask, Answer | None, Seen]:
-    """What a depth shows counts as far as the vehicle's program believes it. Where that tells no
-    state (an older one), its report alone counts."""
+    """A depth counts only if the vehicle's program believes it. If the program reports no state (an
+    older one), its report alone counts."""
     state = yield Ask("state", StateQuery(), lambda a: isinstance(a, StateReport))
     if not isinstance(state, StateReport) or state.state == SURFACED:
         return seen
@@ -153,7 +153,7 @@ def _surfaced(told: list[Status]) -> Seen:
 
 
 def _why_no_answer(which: Order) -> Generator[Ask, Answer | None, OperatorError]:
-    """Unconfirmed where the Pi is stopped: each X more puts off that it is brought up (R7)."""
+    """Return Unconfirmed if the Pi is stopped: each further X delays the ascent (R7)."""
     what = WORDS[which]
     report = yield Ask("store", StoreQuery(), is_report)
     if report is None:
@@ -167,6 +167,7 @@ def _why_no_answer(which: Order) -> Generator[Ask, Answer | None, OperatorError]
 
 
 def _is_taken(which: Order) -> Callable[[Answer], bool]:
-    """By its own letter, as the Pi answers: another order's answer may still be on its way."""
+    """Match the order's own letter, as the Pi answers: an answer to another order may still
+    arrive."""
     is_own = is_ack("Z", "X" if which is Order.STOP else "W")
     return lambda answer: is_own(answer) and isinstance(answer, Ack) and answer.ok

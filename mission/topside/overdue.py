@@ -1,15 +1,17 @@
-"""Overdue: a vehicle that should be up by proof, of which nothing was heard since, or nothing any
-more though it was not up, and where it may be.
+"""Overdue vehicles: when a vehicle is overdue, and where to search for it.
 
     Plan (proved worst time, range, current assumed) + start + last contact --now--> words
 
-    under way when last heard   around home: the proved range, and what the sea does from then on
-                                when it is up at the latest; without a home around the contact
-    at the surface or stopped   around the contact: its own uncertainty, and what the sea does since
+A vehicle is overdue after its proved latest time at the surface, if nothing was received since that
+time, or for ``AGAIN_S`` from a vehicle that was not up. Where it may be:
 
-The sea takes it along with the current that it had estimated, and with as much as was assumed to
-any side. So the area is an ellipse: that of the estimate, moved and grown. Sans-IO; times are of
-the wall clock, s since 1970 UTC.
+    under way when last heard   around home: the proved range, and the drift from the time on at
+                                which it is up at the latest; without a home around the contact
+    at the surface or stopped   around the contact: its own uncertainty, and the drift since then
+
+The vehicle drifts with the current that it estimated, and by the assumed current to any side. So
+the area is an ellipse: that of the estimate, moved and enlarged. Sans-IO; times are wall times, s
+since 1970 UTC.
 
 What does not live here: what is kept between two commands, and which dive a path leads to (dives).
 """
@@ -31,9 +33,9 @@ if TYPE_CHECKING:
     from mission.authoring.check import Proved
     from mission.authoring.prepare import Prepared
 
-AGAIN_S = 600.0  # of silence, of one that was heard behind its time and was not up
-LATE_S = 5.0  # behind a start what was told before it may still come
-UNSURE_M = 30.0  # 95 % of a fix whose accuracy nobody tells
+AGAIN_S = 600.0  # of silence, from a vehicle heard after its time and not up
+LATE_S = 5.0  # after a start: so long, reports from before it may still arrive
+UNSURE_M = 30.0  # 95 % radius of a fix of unknown accuracy
 BY_HAND = "manual"
 SWIMS = (AUTONOMOUS, BY_HAND)
 OVER = ("idle", "emergency/surfaced")  # it is up, and was heard
@@ -41,7 +43,7 @@ OVER = ("idle", "emergency/surfaced")  # it is up, and was heard
 
 @dataclass(frozen=True, slots=True)
 class Plan:
-    """What was proved of the mission that was uploaded. ``current``: m/s, assumed at most."""
+    """What was proved of an uploaded mission. ``current``: m/s, the greatest that is assumed."""
 
     name: str
     worst_s: float
@@ -52,9 +54,11 @@ class Plan:
 
 @dataclass(frozen=True, slots=True)
 class Contact:
-    """When the vehicle answered last, and what it knew. ``covariance``: m^2 of its place (nn, ne,
-    ee); ``current``: m/s north and east, as it had estimated it. ``mission``: the digest of what it
-    holds, its first 16 digits; ``began``: when that began, where it tells."""
+    """When the vehicle answered last, and what it knew then.
+
+    ``covariance``: of its position (nn, ne, ee), m^2. ``current``: its estimate, m/s north and
+    east. ``mission``: the first 16 digits of the digest of its mission. ``began``: when that began,
+    if known."""
 
     wall: float
     state: str
@@ -76,8 +80,8 @@ class Contact:
 
 @dataclass(frozen=True, slots=True)
 class Dive:
-    """``started``: None where it is not known to be under way. ``mission``: its digest, as that of
-    a contact."""
+    """``started``: None if it is not known to be under way. ``mission``: its digest, as of a
+    contact."""
 
     started: float | None = None
     plan: Plan | None = None
@@ -86,13 +90,14 @@ class Dive:
 
     @property
     def due(self) -> float | None:
-        """When it is at the surface at the latest."""
+        """When the vehicle is at the surface at the latest."""
         return (
             None if self.started is None or self.plan is None else self.started + self.plan.worst_s
         )
 
     def goes_on(self, plan: Plan | None, wall: float) -> bool:
-        """By a start at ``wall``: the stick has interrupted it, as was heard since it began."""
+        """Whether a start at ``wall`` continues this dive: the stick has interrupted it since it
+        began."""
         if self.started is None or self.due is None or self.contact is None:
             return False
         by_hand = self.contact.wall >= self.started and self.contact.state.startswith(BY_HAND)
@@ -101,7 +106,7 @@ class Dive:
 
 @dataclass(frozen=True, slots=True)
 class Area:
-    """An ellipse; ``bearing`` is that of its long axis, degrees from north."""
+    """An ellipse; ``bearing`` of its long axis, degrees from north."""
 
     latitude: float
     longitude: float
@@ -120,7 +125,7 @@ class Area:
 
 
 def plan_of(prepared: Prepared, proved: Proved) -> Plan:
-    """What the boat has to know where the vehicle does not come back."""
+    """Return what the boat must know if the vehicle does not come back."""
     mission, home = prepared.mission, prepared.mission.home
     return Plan(
         mission.name,
@@ -132,7 +137,7 @@ def plan_of(prepared: Prepared, proved: Proved) -> Plan:
 
 
 def contact_with(state: Mapping[str, Any], wall: float, began: float | None = None) -> Contact:
-    """What a monitor's state says, at ``wall``; ``began``: when its mission did."""
+    """Make a contact of a monitor's state at ``wall``; ``began``: when its mission began."""
     covariance = None
     if (ellipse := state.get("ellipse")) is not None:
         great, small = (float(axis) / distribution.PLANE_95 for axis in ellipse[:2])
@@ -151,9 +156,9 @@ def contact_with(state: Mapping[str, Any], wall: float, began: float | None = No
 
 
 def heard(dive: Dive, contact: Contact) -> Dive:
-    """The dive after this contact: over where the vehicle is up, or flies another mission. What was
-    told before the start says nothing of what came of it (it may come up to ``LATE_S`` behind it),
-    nor what was told before the last one, by whatever way."""
+    """Return the dive after this contact: it is over if the vehicle is up or has another mission. A
+    contact is ignored if it is from before the start (or up to ``LATE_S`` after it, if it would end
+    the dive) or from before the last contact."""
     known = -math.inf if dive.contact is None else dive.contact.wall
     is_another = bool(contact.mission and dive.mission) and contact.mission != dive.mission
     ends = contact.is_over or is_another
@@ -167,12 +172,12 @@ def heard(dive: Dive, contact: Contact) -> Dive:
 
 
 def silent_for(dive: Dive, now: float) -> float:
-    """s since the last contact; inf: there was none."""
+    """Return the time since the last contact, s; inf if there was none."""
     return math.inf if dive.contact is None else max(0.0, now - dive.contact.wall)
 
 
 def overdue(dive: Dive, now: float) -> str:
-    """In words, "" while it is not, or where nobody knows."""
+    """Describe an overdue vehicle; "" if it is not overdue, or if that is not known."""
     due, silent = dive.due, silent_for(dive, now)
     if due is None or now <= due or silent < min(now - due, AGAIN_S):
         return ""
@@ -182,15 +187,15 @@ def overdue(dive: Dive, now: float) -> str:
 
 
 def moment(due: float, now: float) -> str:
-    """When it is up at the latest, in the local time of this computer."""
+    """Say when it is up at the latest, in this computer's local time."""
     clock = datetime.fromtimestamp(due).astimezone().strftime("%H:%M:%S")
     left = f"in {(due - now) / 60.0:.0f} min" if due > now else ago(now - due)
     return f"{clock} at the latest, {left}"
 
 
 def search_area(dive: Dive, now: float) -> Area | None:
-    """Where it may be at ``now``; None: no place is known. What was heard before the start tells
-    a place, and nothing of how it went on."""
+    """Return where it may be at ``now``; None if no position is known. A contact from before the
+    start gives a position, but does not show what followed."""
     plan, contact = dive.plan, dive.contact
     if plan is None:
         return None
@@ -215,7 +220,7 @@ def _moved(
     grown: float,
     adrift: float,
 ) -> Area:
-    """``radius`` and ``grown`` are added to both half axes."""
+    """Move the area with the current; ``radius`` and ``grown`` are added to both half axes."""
     north, east = contact.current if contact is not None else (0.0, 0.0)
     latitude, longitude = LocalFrame(Position(*place)).to_geodetic(north * adrift, east * adrift)
     great, small, bearing = UNSURE_M, UNSURE_M, 0.0

@@ -1,6 +1,7 @@
-"""What `auvmission watch` shows, as lines of text with a style each, from what a viewer knows.
+"""The contents of `auvmission watch`: lines of text with a style each, from what a viewer knows.
 
-Every value stands with its age; what is older than its period says OLD, what is not known says so.
+Every value is shown with its age. A value older than its period is marked OLD, an unknown one as
+not known.
 
 What does not live here: terminals and keys (watch), where the values come from (sources).
 """
@@ -16,14 +17,14 @@ from mission.topside.monitor import Watched
 from mission.topside.overdue import moment
 
 PLAIN, GOOD, CAREFUL, BAD, DIM = "plain", "good", "careful", "bad", "dim"
-DEEP = "deep"  # shown with ink and paper exchanged: blocks stand for the water below
-REPORT_S, FIX_S = 6.0, 5.0  # older reports, older fixes are OLD
+DEEP = "deep"  # shown in reverse colours: blocks stand for the water below
+REPORT_S, FIX_S = 6.0, 5.0  # older reports and older fixes are OLD
 BAR, STRIP, ROWS = 20, 100, 4  # characters
-LOW, LOWER = 0.25, 0.1  # of a margin
+LOW, LOWER = 0.25, 0.1  # shares of a margin
 _BLOCKS = " ▁▂▃▄▅▆▇█"
 _UNITS = {"to_depth": "m", "to_radius": "m", "to_time": "min", "to_voltage": "V"}
 _REPORTED = ("to_depth", "to_voltage")  # as old as the report
-_VOLTAGE = 0.2  # of the limit: what a full bar has above it
+_VOLTAGE = 0.2  # of the limit: a full bar is so much above it
 
 
 class Line(NamedTuple):
@@ -34,7 +35,8 @@ class Line(NamedTuple):
 def banner(
     watched: Watched, now: float, mine: Sequence[Alarm] = (), silent_s: float = SILENT_S
 ) -> Iterator[Line]:
-    """Alarms, worst first; ``mine`` are those of the boat. One line where nothing is wrong."""
+    """Yield the alarms, worst first; ``mine`` are those of the boat. One line if nothing is
+    wrong."""
     silence = watched.silence(now)
     if silence is None:
         yield Line("nothing has been heard of the vehicle since watch began", CAREFUL)
@@ -68,7 +70,7 @@ def state(watched: Watched, now: float) -> Iterator[Line]:
 
 
 def due(up_by: float | None, wall: float) -> Iterator[Line]:
-    """``up_by``: as the boat knows it, s since 1970 UTC, as is ``wall``."""
+    """``up_by``: as the boat knows it, s since 1970 UTC, like ``wall``."""
     if up_by is not None:
         yield Line(f"{'up by':10} {moment(up_by, wall)}", CAREFUL if wall > up_by else PLAIN)
 
@@ -99,7 +101,7 @@ def place(watched: Watched, now: float) -> Iterator[Line]:
 
 
 def _is_old(watched: Watched, now: float) -> bool:
-    """So is a report of an age that is not known."""
+    """Whether the report is old; also if its age is not known."""
     age = watched.age("report_at", now)
     return age is None or age > REPORT_S
 
@@ -124,7 +126,7 @@ def margins(watched: Watched, now: float) -> Iterator[Line]:
                 f"{what} {left:g} {unit} left{'' if limit is None else f' of {limit:g}'}   OLD", DIM
             )
             continue
-        if limit is None:  # by @AE, which tells no limit
+        if limit is None:  # by @AE, which has no limit
             yield Line(f"{what} {left:g} {unit} left", BAD if left <= 0.0 else PLAIN)
             continue
         share = left / (limit * (_VOLTAGE if unit == "V" else 1.0)) if limit else 0.0
@@ -133,7 +135,7 @@ def margins(watched: Watched, now: float) -> Iterator[Line]:
 
 
 def strip(watched: Watched, width: int = STRIP) -> Iterator[Line]:
-    """The depth of the newest points, a column each, the surface at the top."""
+    """Yield the depth of the newest points, a column each, with the surface at the top."""
     points = [(point[0], point[3]) for point in watched.track[-width:]]
     depths = [depth for _, depth in points if depth is not None]
     if not depths:

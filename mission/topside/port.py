@@ -1,10 +1,10 @@
-"""An operator's port, for all that one program says over it: one speaks at a time.
+"""An operator's port, shared by all of a program's requests: one conversation at a time.
 
-    a look          breaks off for whatever is pressed, and waits until that is over
-    X, W            break off all else, an older order too, and are tried until the port opens
-    start, clear    break a look off, and are refused while something that was pressed is said
+    a look          breaks off for any key press, and waits until that is over
+    X, W            break off all else, an older order too, and retry until the port opens
+    start, clear    break off a look, and are refused while an earlier key press is being sent
 
-What does not live here: what is said (orders, upload, looking), sockets (console).
+What does not live here: what is sent (orders, upload, looking), sockets (console).
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from collections.abc import Callable
 from mission.topside.console import BrokenOff, Occupied, converse
 from mission.topside.upload import OperatorError, Script
 
-AGAIN_S = 0.25  # another program has the port
+AGAIN_S = 0.25  # retry interval while another program has the port
 
 
 class Port:
@@ -25,7 +25,7 @@ class Port:
     def __init__(self, url: str) -> None:
         self.url = url
         self._turn = threading.Lock()
-        self._pressed = self._over = 0  # number of the newest
+        self._pressed = self._over = 0  # number of the newest press
 
     def look(self, script: Script) -> str:
         """Raises OperatorError."""
@@ -33,14 +33,15 @@ class Port:
             return converse(self.url, script, self._newer_than(self._over))
 
     def press(self, *, urgent: bool) -> int:
-        """The number with which it is said. Raises OperatorError."""
+        """Return the number to send it with. Raises OperatorError."""
         if self._pressed != self._over and not urgent:
             raise OperatorError("not said: what was pressed before is still being said")
         self._pressed += 1
         return self._pressed
 
     def say(self, script: Script, number: int, *, urgent: bool, tell: Callable[[str], None]) -> str:
-        """Raises OperatorError, BrokenOff; ``tell`` gets why what is urgent has not left."""
+        """Raises OperatorError, BrokenOff; ``tell`` gets the reason why an urgent order is not sent
+        yet."""
         newer = self._newer_than(number)
         with self._turn:
             try:

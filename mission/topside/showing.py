@@ -1,4 +1,4 @@
-"""A look at a vehicle as `auvmission status` shows it: no value without its age, alarms first.
+"""The output of `auvmission status`: no value without its age, alarms first.
 
     Looked --as_object--> one object (JSON)      --as_lines--> lines for people
 
@@ -28,8 +28,8 @@ UNTOLD = "not told: the vehicle's program knows no @AE"
 
 
 def alarms_in(looked: Looked) -> tuple[Alarm, ...]:
-    """Those that the vehicle tells of, with what is known here for words. Without ``@AE``, what its
-    reports and its store show."""
+    """Return the alarms that the vehicle reports, worded with what is known here. Without ``@AE``,
+    the alarms that its reports and its store show."""
     state, refusal = looked.state, looked.store.refusal if looked.store else ""
     known = Condition(
         state=state.state if state else "",
@@ -81,7 +81,7 @@ def as_object(looked: Looked) -> dict[str, Any]:
 
 
 def contact_of(looked: Looked, wall: float) -> Contact:
-    """What the boat keeps of it, at ``wall`` s since 1970 UTC."""
+    """Return the contact that the boat stores, at ``wall`` s since 1970 UTC."""
     found, state, fix = as_object(looked), looked.state, looked.last.fix
     place = found["estimate"] or found
     radius = state.uncertainty_m if state is not None and found["estimate"] else None
@@ -109,7 +109,7 @@ def _state(looked: Looked) -> dict[str, Any]:
 
 
 def _estimate(fix: Fix | None, state: StateReport | None) -> dict[str, float] | None:
-    """Where it is now, as far as it knows itself; the last fix is where it was."""
+    """Return where it is now by its own estimate; the last fix is where it was."""
     if fix is None or state is None or state.north_m is None or state.east_m is None:
         return None
     frame = LocalFrame(Position(math.degrees(fix.latitude), math.degrees(fix.longitude)))
@@ -135,9 +135,9 @@ def _margins(state: StateReport | None) -> dict[str, float | None] | None:
 
 _OF_REPORT = ("depth_m", "altitude_m", "heading_deg", "pitch_deg", "roll_deg", "battery_v",
               "power_v")  # fmt: skip
-_REPORTED = ("depth_m", "voltage_v")  # margins that are as old as the report
+_REPORTED = ("depth_m", "voltage_v")  # margins as old as the report
 _OF_STORE = ("lines", "missing", "digest", "refusal")
-_HELD = "takes no upload: not idle"  # the document's `running`, in an emergency, too
+_HELD = "takes no upload: not idle"  # the document's `running`, also in an emergency
 
 
 def as_lines(looked: Looked) -> Iterator[str]:
@@ -179,7 +179,7 @@ def _aged(words: str, age: float | None) -> str:
 
 
 def bearing(heading: float | None, places: int) -> float | None:
-    """In degrees, 0 to below 360 also where it is rounded. ``heading`` in rad."""
+    """Return degrees from 0 to below 360, also after rounding. ``heading`` in rad."""
     rounded = _degrees(heading, places)
     return None if rounded is None else rounded % 360.0
 

@@ -1,10 +1,10 @@
-"""Where `auvmission watch` has its state from: rows that fill a Watched until they are told to end.
+"""The sources of `auvmission watch`: each fills a Watched until it is stopped.
 
     monitor   serve's own monitor                       frames   the operator's port: @AE, @VS, @AR
     playback  a recording, finished or just simulated, run again
 
-A source never raises into the view: what went wrong stands in ``problem``. What does not live here:
-how it is shown (panels, watch), what a recording is (the command).
+A source never raises into the view: ``problem`` holds the error. What does not live here: how it is
+shown (panels, watch), what a recording is (the command).
 """
 
 from __future__ import annotations
@@ -26,12 +26,12 @@ from mission.topside.upload import OperatorError
 AGAIN_S = 2.0  # after a failure
 ASK_S, ASK_UNDER_WATER_S = 1.0, 15.0  # R11
 STEP_S = 0.2
-MARGINS = ("depth_m", "radius_m", "time_min", "voltage_v")  # of as_object; none without @AE
+MARGINS = ("depth_m", "radius_m", "time_min", "voltage_v")  # keys of as_object; None without @AE
 
 
 class Source:
-    """Runs in a thread of its own. ``live``: there is a vehicle that can be commanded. ``port``:
-    where it is asked, by looks that break off for orders."""
+    """Runs in its own thread. ``live``: a vehicle that can be commanded. ``port``: where it is
+    asked, by looks that break off for orders."""
 
     def __init__(
         self, fill: Callable[[Source], None], live: bool, port: Port | None = None
@@ -53,8 +53,8 @@ class Source:
 
 
 def from_monitor(url: str, most: int = 16_000, past: str = "") -> Source:
-    """``most``: bytes of a frame, which are how late it is behind a thin link. ``past``: "before"
-    for what the values were before."""
+    """``most``: bytes of a frame; on a slow link they set its delay. ``past``: "before" for the
+    earlier values."""
 
     def fill(source: Source) -> None:
         source.watched.connected()
@@ -84,7 +84,7 @@ def from_frames(url: str) -> Source:
 
 
 def frame_of(looked: Looked, t: float) -> dict[str, Any]:
-    """A look at the operator's port as a frame of the monitor at ``t``."""
+    """Return a look at the operator's port as a frame of the monitor at ``t``."""
     told = as_object(looked)
     place = told["estimate"] or told
     margins = told["margins"] or dict.fromkeys(MARGINS)
@@ -133,7 +133,7 @@ class Played(Protocol):
 
 
 def from_recording(played: Played, speed: float, begin: float = 0.0) -> Source:
-    """``speed`` times as fast as it was, from the engine's time ``begin`` on."""
+    """Play at ``speed`` times real time, from the engine's time ``begin`` on."""
 
     def fill(source: Source) -> None:
         zero = time.monotonic()

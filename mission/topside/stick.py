@@ -1,13 +1,14 @@
-"""The shell around a stick: terminal, pad and link in one loop, and an end whatever is lost.
+"""The loop around a stick: terminal, pad and link, with a safe end whatever is lost.
 
     keys, pad --> Helm --M--> link --> serve        @DU and @AQ in turn, every 0.5 s <-- answers
                --X, every second until it is acknowledged, or the hand moves it again-->
 
-Whoever is lost (terminal, pad, this program), no further M is sent, and the vehicle is stopped by
-the Pi 2 s after the last (R6). A link that answers nothing for ``LOST_S`` is given up, and what has
-not arrived is never to arrive: the stick of some seconds ago is no command.
+While an X is not acknowledged, @AE takes the place of @AQ. If the terminal, the pad or this program
+is lost, no further M is sent, and the Pi stops the vehicle 2 s after the last one (R6). A link
+without any answer for ``LOST_S`` is given up, and commands that have not arrived are dropped: the
+stick of some seconds ago is no command.
 
-    Lost        (the operator must act: says what is gone)
+    Lost        (the operator must act: says what is lost)
 
 What does not live here: what is sent when (helm), what keys mean (keyboard), pads (joystick).
 """
@@ -51,7 +52,7 @@ ASK_S = 0.5
 AGAIN_S = 1.0  # X (R1)
 LOST_S = 2.0
 _READ = 512
-_ABORT = struct.pack("ii", 1, 0)  # SO_LINGER: what waits is dropped
+_ABORT = struct.pack("ii", 1, 0)  # SO_LINGER: waiting data are dropped
 
 
 class Lost(OperatorError):
@@ -60,7 +61,7 @@ class Lost(OperatorError):
 
 @dataclass(slots=True)
 class Seen:
-    """What the line of the terminal is made of; times in s of the monotonic clock."""
+    """The values on the terminal's line; times in s of the monotonic clock."""
 
     gear: int = 0
     sent: bytes = b""
@@ -75,12 +76,12 @@ class Seen:
         depth = "" if own is None or own.depth is None else f"{own.depth:.1f} m deep"
         heading = None if own is None else bearing(own.heading, 0)
         refusal = self.store.refusal if self.store is not None else ""
-        old = refusal.endswith(" ago")  # R4: it was refused before
+        old = refusal.endswith(" ago")  # R4: an earlier refusal
         parts = (
             f"gear {self.gear:2}",
             f"sent {self.sent.decode('ascii'):14}",
             f"answer {now - self.answered:.1f} s ago",
-            self.stop,  # news first: a narrow terminal shows no more
+            self.stop,  # news first: a narrow terminal cuts the rest
             self.output,
             "" if old else refusal,
             depth,
@@ -102,13 +103,13 @@ class Stick:
     _helm: Helm = field(default_factory=Helm)
     _seen: Seen = field(default_factory=Seen)
     _codec: ConsoleCodec = field(default_factory=ConsoleCodec)
-    _outputs: list[SetOutput] = field(default_factory=list)  # that wait to be said
+    _outputs: list[SetOutput] = field(default_factory=list)  # outputs that wait to be sent
     _asked: int = 0
     _ask_at: float = 0.0
-    _stop_at: float = math.inf  # when X is said again
+    _stop_at: float = math.inf  # when X is sent again
 
     def steer(self, url: str) -> None:
-        """Until the operator ends it. Raises Lost, Unreachable."""
+        """Steer until the operator ends it. Raises Lost, Unreachable."""
         try:
             link = open_link("vehicle", url)
         except LinkError as error:
@@ -128,7 +129,7 @@ class Stick:
             link.close()
 
     def _left(self) -> str:
-        """What becomes of a vehicle that can be told nothing any more."""
+        """Say what becomes of a vehicle that can no longer be reached."""
         if self._stop_at < math.inf:
             return "your X was NOT acknowledged: `auvmission stop`"
         if self._seen.sent:
@@ -136,7 +137,7 @@ class Stick:
         return "nothing was said to the vehicle: it goes on with what it does"
 
     def _step(self, link: Link) -> bool:
-        """False when the operator has ended it."""
+        """Return False when the operator has ended it."""
         now = time.monotonic()
         self._hear(link, now)
         if now - self._seen.answered > LOST_S:
@@ -166,7 +167,7 @@ class Stick:
         return self.pad[1].push(now) or typed
 
     def _wait(self, link: Link) -> bool:
-        """For the next thing to happen."""
+        """Wait for the next event; return False to end."""
         now = time.monotonic()
         due = min(self._helm.next_timer() or self._ask_at, self._ask_at, now + PERIOD_S / 4)
         pads = [] if self.pad is None else [self.pad[0]]
@@ -188,7 +189,7 @@ class Stick:
 
     def _stop(self, link: Link) -> None:
         self._helm.drop()
-        self._outputs.clear()  # an emergency makes them safe: none is as it was set
+        self._outputs.clear()  # an emergency makes all outputs safe
         self._seen.output = ""
         self._say_stop(link, time.monotonic())
 
@@ -197,7 +198,7 @@ class Stick:
         self._seen.sent, self._stop_at = EMERGENCIES[Order.STOP], now + AGAIN_S
 
     def _set_outputs(self, link: Link) -> None:
-        """Behind the stick's words, which some of them need; said once (R4)."""
+        """Send the outputs, each once (R4), after the stick's commands, which some of them need."""
         for one in self._outputs:
             link.send(encode(one), time.monotonic())
             self._seen.output = f"{one.name} {one.value:g}"
@@ -226,8 +227,8 @@ class Stick:
                 self._seen.output = f"{said}: {'set' if answer.ok else 'REFUSED'}"
 
     def _end(self, link: Link) -> None:
-        """What a key held is given back, and neutral, twice (R1); a link that is gone says nothing
-        any more."""
+        """Reset outputs whose key was held, and send neutral twice (R1); not on a link that is
+        lost."""
         self._outputs += self.keyboard.let_go(math.inf)
         self._helm.hold(None)
         with contextlib.suppress(LinkError):
@@ -251,6 +252,6 @@ def _read(descriptor: int, otherwise: str) -> bytes:
 
 
 def forget(link: Link) -> None:
-    """Words that wait in the system's buffers are not sent when the radio is back."""
+    """Drop commands in the system's buffers, so that they are not sent when the radio is back."""
     with contextlib.suppress(OSError), socket.socket(fileno=os.dup(link.fileno())) as same:
         same.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, _ABORT)

@@ -2,11 +2,11 @@
 
     names --> @NI or @RI: how is it now? --> the six or seven letters of @NS or @RS
 
-@RI may tell of other bits than the document's (a radio at bit 6), so the letters that were sent are
-told, and what is always on is never switched off: the radio may be the way in.
+@RI may report other bits than the document's (a radio at bit 6). So the letters that were sent are
+reported, and devices that are always on are never switched off: the radio may be the way in.
 
-BDGPS and UACM are both a node and a switch of power: the node is closed before the power, and the
-power is on before the node is opened (R14).
+BDGPS and UACM are both a node and a power switch. A node must be closed before its power is
+switched off, and the power must be on before the node is opened (R14).
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ _POWER_QUERY = Relay("RI", RI.encode({}))
 
 
 def nodes(changes: Mapping[str, bool], took: Took = lambda values: None) -> Script:
-    """``changes``: nodes by name, True to be opened; none: how they are."""
+    """``changes``: nodes by name, True to open; if empty, report their states."""
     if not changes:
         return (yield from say(NodeQuery(), took))
     if opened := [name for name in BOTH if changes.get(name)]:
@@ -39,7 +39,7 @@ def nodes(changes: Mapping[str, bool], took: Took = lambda values: None) -> Scri
 
 
 def power(changes: Mapping[str, bool], took: Took = lambda values: None) -> Script:
-    """``changes``: devices by name, True to be on; none: how they are."""
+    """``changes``: devices by name, True to switch on; if empty, report their states."""
     if not changes:
         return (yield from say(_POWER_QUERY, took))
     if shut := [name for name in BOTH if changes.get(name) is False]:
@@ -55,7 +55,7 @@ def power(changes: Mapping[str, bool], took: Took = lambda values: None) -> Scri
 
 
 def _powered() -> Generator[Ask, Answer | None, int | None]:
-    """None where the vehicle switches no power."""
+    """Return the mask of powered devices; None if the vehicle switches no power."""
     try:
         mask: int = yield from asked_mask(_POWER_QUERY, "RI")
     except (NoAnswer, Refused):
@@ -70,6 +70,6 @@ def _letters(names: Sequence[str], mask: int, changes: Mapping[str, bool]) -> st
 
 
 def _named(names: Sequence[str], letters: str) -> str:
-    """What is open or on now."""
+    """Name what is open or on now."""
     opened = [name for name, letter in zip(names, letters, strict=True) if letter == "O"]
     return f"{', '.join(opened) or 'none'} and no other"

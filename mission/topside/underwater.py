@@ -3,10 +3,9 @@
     modem+serial:///dev/ttyUSB0?range=800&rate=600      (m, bit/s on the water)
     modem+tcp://10.0.0.7:9000?range=800&rate=600
 
-Timeouts follow from the greatest slant range, the bit rate and the baud rate that the URL states,
-and from the lengths of what is said (R1, protocol.arq). ``Submerged`` holds the same scripts as
-``upload.Conversation``, two tries each at most; ``BatchTalk`` uploads in batches
-(protocol.batch).
+Timeouts follow from the greatest slant range, the bit rate and the baud rate in the URL, and from
+the lengths of the frames (R1, protocol.arq). ``Submerged`` holds the same scripts as
+``upload.Conversation``, at most two tries each. ``BatchTalk`` uploads in batches (protocol.batch).
 
 What does not live here: the scripts (upload), sockets and clocks (console), the vehicle's side.
 """
@@ -30,13 +29,13 @@ from protocol.topside_frames import LONG
 
 _MOST = 1e6  # m, bit/s
 PREFIX = "modem+"
-RANGE_M, BIT_RATE = 1000.0, 300.0  # the slow and far case: a timeout too long only costs time
+RANGE_M, BIT_RATE = 1000.0, 300.0  # the slow and far case: too long a timeout only costs time
 _ACK = 9  # bytes
 LONGEST = {DataQuery: LONG, StoreQuery: LONG, Relay: LONG, StateQuery: MOST}
 
 
 class WrongAddress(OperatorError):
-    """Says what to write instead."""
+    """The URL is wrong; the message says what to write."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,7 +45,7 @@ class ModemAddress:
 
 
 def modem_address(url: str) -> ModemAddress | None:
-    """None for a URL that leads to no modem. Raises WrongAddress."""
+    """Return None for a URL without a modem. Raises WrongAddress."""
     if not url.startswith(PREFIX):
         return None
     link, _, query = url.removeprefix(PREFIX).partition("?")
@@ -70,7 +69,7 @@ def _number(url: str, text: str | float, option: str, unit: str) -> float:
 
 
 class Submerged(Scripted):
-    """As ``upload.Conversation``, over an Initiator."""
+    """Like ``upload.Conversation``, over an Initiator."""
 
     def __init__(self, script: Script, acoustics: Acoustics) -> None:
         super().__init__(script)
@@ -114,7 +113,7 @@ class Submerged(Scripted):
 
 
 class BatchTalk:
-    """An upload in batches, to be held like a conversation. ``progress``: lines held, and all."""
+    """An upload in batches, held like a conversation. ``progress``: lines held, and all lines."""
 
     def __init__(
         self,

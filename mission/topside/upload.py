@@ -1,14 +1,14 @@
-"""What an operator's program says to a Pi: upload, start, clear, status. Sans-IO.
+"""An operator's requests to a Pi: upload, start, clear, status. Sans-IO.
 
-A conversation is a script (a generator) that yields one ``Ask`` at a time and gets its answer;
-``Conversation`` sends it, tries again (R1: 1 s, 3 tries; an @AC never: a second, seconds later,
-would be a second wish), and drops whatever nobody waits for.
+A conversation is a script (a generator) that yields one ``Ask`` at a time and gets its answer.
+``Conversation`` sends it, retries it (R1: 1 s, 3 tries; never an @AC: a second one, seconds later,
+would be a second command), and drops all other frames.
 
     upload:  @AQ  there already? --> line 1 --> @AQ: which are missing? --> those, one by one
              --> @AQ: none missing, and the digest is ours
 
-An acknowledgement does not say which line it means (R3), so the Pi's own list of missing lines
-decides, not the count of answers: an upload that was cut goes on where it stopped.
+An acknowledgement does not say which line it belongs to (R3). So the Pi's own list of missing lines
+decides, not the number of answers: an interrupted upload continues where it stopped.
 
     OperatorError      (the operator must act)
     +-- NoAnswer       after all tries; nothing is assumed of what it did
@@ -41,7 +41,7 @@ from protocol.topside import Answer, ConsoleCodec, encode
 
 ANSWER_S = 1.0
 TRIES = 3
-ROUNDS = 4  # in succession that brought nothing: then the line is called unusable
+ROUNDS = 4  # successive rounds without progress: then the link counts as unusable
 WHAT_LISTENS = (
     "is this the operator's port of a vehicle running auvmission serve, not its monitor's?"
 )
@@ -62,14 +62,14 @@ class Refused(OperatorError):
 
 @dataclass(frozen=True, slots=True)
 class Ask:
-    """One request; ``fits`` tells its answer from everything else that arrives."""
+    """One request; ``fits`` recognises its answer among everything received."""
 
     what: str
     command: Command
     fits: Callable[[Answer], bool]
     tries: int = TRIES
-    by_clock: bool = False  # again, or over, each ANSWER_S, however long the way
-    waits: int = 1  # how often the time of a try, by radio
+    by_clock: bool = False  # each try lasts ANSWER_S, however slow the link
+    waits: int = 1  # factor on the time of a try, by radio
 
 
 Script = Generator[Ask, Answer | None, str]
@@ -77,7 +77,7 @@ Script = Generator[Ask, Answer | None, str]
 
 
 class Scripted:
-    """``result`` is what was achieved, ``failure`` why not; one of them is set at the end."""
+    """A running script. At its end either ``result`` or ``failure`` is set."""
 
     def __init__(self, script: Script) -> None:
         self._script = script
@@ -90,7 +90,7 @@ class Scripted:
         return self.result is not None or self.failure is not None
 
     def _next(self, answer: Answer | None) -> Ask | None:
-        """What the script asks for after this answer; None when it is over."""
+        """Return the script's request after this answer; None when it is over."""
         try:
             self._ask = next(self._script) if self._ask is None else self._script.send(answer)
         except StopIteration as end:
@@ -103,7 +103,8 @@ class Scripted:
 
 
 class Conversation(Scripted):
-    """A script by radio: each request again while no answer comes (R1). ``patience``: s for it."""
+    """A script by radio: each request is repeated until it is answered (R1). ``patience``: s per
+    try."""
 
     def __init__(self, script: Script, patience: Callable[[], float] = lambda: ANSWER_S) -> None:
         super().__init__(script)
@@ -118,7 +119,7 @@ class Conversation(Scripted):
         return None if self.over else self._due
 
     def handle_timer(self, now: float) -> list[bytes]:
-        """Sends the request again when its time is over, or ends the script with NoAnswer."""
+        """Repeat the request when its time is over, or continue the script without an answer."""
         if self.over or self._ask is None or now < self._due:
             return []
         if self._tries < self._ask.tries:
@@ -150,7 +151,7 @@ class Conversation(Scripted):
 
 
 def upload(lines: Sequence[str], digest: str, progress: Callable[[int, int], None]) -> Script:
-    """``lines`` as ``language.script`` gives them. ``progress``: lines that the Pi has, and all."""
+    """``lines``: from ``language.script``. ``progress``: lines that the Pi has, and all lines."""
     sent: set[int] = set()
     try:
         return (yield from _missing(lines, digest, progress, sent))
@@ -161,8 +162,9 @@ def upload(lines: Sequence[str], digest: str, progress: Callable[[int, int], Non
 
 
 def _all(lines: Sequence[str], digest: str, progress: Callable[[int, int], None]) -> Script:
-    """The Pi refused a set with lines that are not from this upload: somebody else's, or spoilt on
-    their way. Every line again; a refusal counts if it stands then."""
+    """Send every line again. The Pi refused a set with lines that are not from this upload: they
+    are somebody else's, or were damaged on their way. A refusal counts only if it stands after
+    that."""
     for number in range(1, len(lines) + 1):
         with contextlib.suppress(Refused):
             yield from _line(lines, number, set())
@@ -176,7 +178,7 @@ def _all(lines: Sequence[str], digest: str, progress: Callable[[int, int], None]
 def _missing(
     lines: Sequence[str], digest: str, progress: Callable[[int, int], None], sent: set[int]
 ) -> Script:
-    """What the Pi has not got; ``sent`` gets the numbers of the lines that were sent."""
+    """Send the lines that the Pi lacks; ``sent`` collects their numbers."""
     report = yield from asked_store()
     if report.state == "running":
         raise Refused(NOT_IDLE)
@@ -196,14 +198,14 @@ def _missing(
         for number in missing:
             yield from _line(lines, number, sent)
             progress(_have(number, missing, total), total)
-        if not missing:  # whole, and yet not ours: its last line was refused, or it is another
+        if not missing:  # complete, but not ours: its last line was refused, or it is another
             yield from _line(lines, total, sent)
     why = f": {report.refusal}" if report.refusal else ""
     raise NoAnswer(f"the upload does not get on at {report.have} of {report.total} lines{why}")
 
 
 def _line(lines: Sequence[str], number: int, sent: set[int]) -> Generator[Ask, Answer | None, None]:
-    """Raises Refused if the Pi says why; a lost acknowledgement is no failure."""
+    """Raises Refused if the Pi gives a reason; a lost acknowledgement is no failure."""
     sent.add(number)
     command = MissionLine(len(lines), number, lines[number - 1])
     answer = yield Ask(f"line {number}", command, is_ack("A", "W"))
@@ -218,7 +220,7 @@ def _have(number: int, missing: Sequence[int], total: int) -> int:
 
 
 def _numbers(report: StoreReport, total: int) -> list[int]:
-    """What ``missing`` names ("3-5.9"); every line where nothing is staged."""
+    """Return the numbers that ``missing`` names ("3-5.9"); every line if nothing is staged."""
     if report.state != "staging":
         return list(range(1, total + 1))
     numbers: list[int] = []
@@ -229,7 +231,7 @@ def _numbers(report: StoreReport, total: int) -> list[int]:
 
 
 def start(patience: int = 0) -> Script:
-    """``patience``: how often a refusal is met by asking again, a second apart."""
+    """``patience``: how often a refusal is answered by a retry, a second apart."""
     for left in range(patience, -1, -1):
         answer = yield Ask("start", StartMission(), is_ack("A", "A"))
         if answer is None:
@@ -246,9 +248,9 @@ def start(patience: int = 0) -> Script:
 def start_telling(
     took: Callable[[str], None], patience: int = 0, named: str | None = None
 ) -> Script:
-    """``start``; ``took`` gets the digest of what was started, also where nobody answers: that one
-    may be under way, and have dived. It is asked for before, while the vehicle is still heard.
-    Raises Refused where another mission is on board than the one that is ``named``."""
+    """Start, and pass the mission's digest to ``took``, also if nobody answers: the mission may be
+    under way, and the vehicle submerged. The digest is asked for first, while the vehicle is still
+    heard. Raises Refused if the mission on board is not the one ``named``."""
     report = yield from asked_store()
     if named is not None and (not named or report.digest != named):
         raise Refused(f"on board is {report.digest or 'no mission'}, and not {named}")

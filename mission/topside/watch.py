@@ -1,11 +1,11 @@
 """The full-screen view of `auvmission watch`, for a terminal over ssh (Textual).
 
     x stop   w surface        one press, at once
-    s start  c clear          a second press within ``CONFIRM_S``, which is told what will happen
+    s start  c clear          a second press within ``CONFIRM_S``; the view says what will happen
     q end
 
-What does not live here: what stands in the panels (panels), where it comes from (sources), what
-the commands say (orders, upload).
+What does not live here: the contents of the panels (panels), their sources (sources), the commands'
+scripts (orders, upload).
 """
 
 from __future__ import annotations
@@ -65,10 +65,10 @@ class WatchApp(App[None]):
         super().__init__()
         self.source, self._to, self._contacts = source, to, Contacts(to, memory)
         self._port = source.port or Port(to)
-        self._known: frozenset[str] = frozenset()  # alarms that the bell has rung for
-        self._shown = 0  # events
+        self._known: frozenset[str] = frozenset()  # alarms for which the bell has rung
+        self._shown = 0  # number of events shown
         self._asked: tuple[str, float] | None = None
-        self.said = ""  # what became of the last command
+        self.said = ""  # the result of the last command
 
     def compose(self) -> ComposeResult:
         yield Static(id="banner")
@@ -96,8 +96,8 @@ class WatchApp(App[None]):
     # --- shown -------------------------------------------------------------------------------
 
     def show(self) -> None:
-        """All of it anew, from what the source knows now."""
-        if not self.query("#banner"):  # it is ending
+        """Draw everything again from what the source knows now."""
+        if not self.query("#banner"):  # the view is closing
             return
         watched, now = self.source.watched, time.monotonic()
         self._contacts.remember(watched, now)
@@ -144,7 +144,7 @@ class WatchApp(App[None]):
     # --- commands ----------------------------------------------------------------------------
 
     def action_order(self, name: str) -> None:
-        """At once, and never refused for what waits."""
+        """Send it at once; other requests never block it."""
         which = Order[name]
         script = order(which, self._tell, under_water=self._to.startswith(PREFIX))
         self._say(which.value, script, urgent=True)
@@ -177,7 +177,7 @@ class WatchApp(App[None]):
             told = self._port.say(script, number, urgent=urgent, tell=self._tell)
             self._tell(told or f"{name}: done")
         except BrokenOff:
-            return  # what is said instead has the line
+            return  # the newer command has the status line
         except OperatorError as error:
             self._tell(f"{name}: {error}")
 

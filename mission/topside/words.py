@@ -1,4 +1,5 @@
-"""Every word of document 000 that a topside says, checked, sent, and seen to be answered. Sans-IO.
+"""Every command of document 000 that a topside sends: checked, sent, and its answer awaited.
+Sans-IO.
 
     word, values --command--> Command --say--> Script    (raises Refused, NoAnswer)
 
@@ -62,8 +63,8 @@ from protocol.topside import (
 from protocol.topside_frames import NODES, SENSORS
 from protocol.vehicles.stick import LACKS
 
-SWITCH_TRIES = 7  # a second each: the nodes have 5 s to change (R13)
-AGED = " ago"  # the end of a refusal in @AR that is not of now
+SWITCH_TRIES = 7  # a second each: nodes may take 5 s to change (R13)
+AGED = " ago"  # the end of an earlier refusal in @AR
 UNACKNOWLEDGED = "the Pi has it and passes it on; no frame acknowledges it: watch it"
 ELSEWHERE = (
     "no words for power (R) and rudders (D): what it has is set by its outputs, auvmission output"
@@ -73,12 +74,13 @@ Took = Callable[[Mapping[str, Any]], None]
 
 
 def frame_types() -> dict[str, FrameType]:
-    """Of the words, by their names without ``auv.``, as the document has them."""
+    """Return the frame types by their names in the document, without ``auv.``."""
     return {f.name.removeprefix("auv."): f for f in to_pi_frames(Tolerances())}
 
 
 def command(word: str, values: Mapping[str, Any]) -> Command:
-    """Raises CannotEncode for what no topside may say, and for values that the word has not."""
+    """Raises CannotEncode for a word that no topside may send, and for values that it does not
+    have."""
     types = frame_types()
     if word not in types:
         raise CannotEncode(f"no word {word!r}; there are: {', '.join(sorted(types))}")
@@ -100,7 +102,7 @@ def say(
     *,
     under_water: bool = False,
 ) -> Script:
-    """``took`` gets the values of an answer that has any."""
+    """Return the script for a command. ``took`` gets the values of an answer that has any."""
     match said:
         case StartMission():
             return start()
@@ -159,14 +161,14 @@ def _mask(said: NodeQuery | Relay, code: str, took: Took) -> Script:
 
 
 def asked_mask(said: NodeQuery | Relay, code: str) -> Generator[Ask, Answer | None, int]:
-    """A part of a script: the mask of @NI or @RI. Raises NoAnswer, Refused."""
+    """Part of a script: ask for the mask of @NI or @RI. Raises NoAnswer, Refused."""
     answer = yield from _relayed(said, code)
     return answer.result
 
 
 def _relayed(said: Command, code: str) -> Generator[Ask, Answer | None, Ack]:
-    """The answer of the Pi, or through it. Who has once asked for an @AR is sent one where the
-    vehicle has no such word (R14)."""
+    """Return an answer from the Pi, or passed on by it. A vehicle without such a command sends an
+    @AR, but only to a topside that has asked for one before (R14)."""
     if isinstance(said, Relay):
         yield from asked_store()
     fits = is_ack(code[0], code[1])
@@ -198,7 +200,7 @@ def _unacknowledged(said: Relay | Manual, under_water: bool) -> Script:
 
 
 def _refusal(answer: Answer) -> str:
-    """Of a relayed word or the stick, just now; "" where there is none."""
+    """Return the new refusal of a relayed or stick command; "" if there is none."""
     why = answer.refusal if isinstance(answer, StoreReport) else ""
     is_ours = why.startswith(("relay:", "manual:")) and not why.endswith(AGED)
     return why.replace(LACKS, ELSEWHERE) if is_ours else ""

@@ -1,6 +1,6 @@
 """The registry: one row per vehicle. A new vehicle is one file and its row here.
 
-``codec`` makes what the runtime asks of a vehicle; ``links`` is what ``decode --link`` knows.
+``codec`` makes a vehicle's codec for the runtime; ``links`` returns the links of ``decode --link``.
 """
 
 from __future__ import annotations
@@ -33,20 +33,21 @@ NO_WIRE: Mapping[str, str] = {}
 
 
 class UnknownVehicle(ValueError):
-    """Says which there are."""
+    """No such vehicle or link; the text lists those that exist."""
 
 
 class UnknownDialect(ValueError):
-    """Says which this vehicle has."""
+    """No such dialect; the text lists those of this vehicle."""
 
 
 @dataclass(frozen=True, slots=True)
 class VehicleRow:
-    """``make(dialect, tolerances, battery_scale, wire)``, with one of its ``dialects`` and values
-    of its ``keys``. ``ways``: what an ascent tries, in turn (R7); no two are the same bytes.
-    ``channels`` can be set beside the motion, ``sources`` be read beside the telemetry. ``links``
-    are those that ``decode`` knows; ``examples`` one good frame of each type. ``manual_ends``: how
-    the journal puts it that a stop ends the board's own manual; "" where it has none."""
+    """One vehicle. ``make(dialect, tolerances, battery_scale, wire)`` returns its codec, for one of
+    its ``dialects`` and values of its ``keys``. ``ways``: the commands that an ascent tries in turn
+    (R7); no two are the same bytes. ``channels`` can be set beside the motion, ``sources`` be read
+    beside the telemetry. ``links``: those for ``decode``. ``examples``: one good frame of each
+    type. ``manual_ends``: the journal's words when a stop ends the board's own manual mode; "" if
+    it has none."""
 
     name: str
     make: Callable[[str, Tolerances, BatteryScale, Wire], VehicleCodec]
@@ -74,7 +75,7 @@ def silent(
     links: tuple[LinkRow, ...] = (),
     examples: tuple[tuple[str, bytes], ...] = (),
 ) -> VehicleRow:
-    """A board that acknowledges nothing, and is spoken to as its document says."""
+    """Return the row of a board that acknowledges nothing and has one dialect, its document's."""
     return VehicleRow(
         name, make, ("documented",), keys, FINE, ways, channels, sources, links, examples
     )
@@ -139,11 +140,11 @@ def _fault(row: VehicleRow, others: Iterable[VehicleRow]) -> str:
 
 
 def links() -> tuple[LinkRow, ...]:
-    """Of all vehicles, in their order."""
+    """Return the links of all vehicles, in the order of the vehicles."""
     return tuple(link for row in VEHICLES.values() for link in row.links)
 
 
-READ_ONLY = (nmea_frame.LINK,)  # no vehicle's: nothing is encoded for these
+READ_ONLY = (nmea_frame.LINK,)  # links of no vehicle, which are decoded only
 
 
 def codec(
@@ -153,7 +154,7 @@ def codec(
     battery_scale: BatteryScale = (1.0, 1.0),
     wire: Mapping[str, str] = NO_WIRE,
 ) -> VehicleCodec:
-    """A fresh codec. Raises UnknownVehicle, UnknownDialect, UnknownTolerance or UnknownKey."""
+    """Return a new codec. Raises UnknownVehicle, UnknownDialect, UnknownTolerance or UnknownKey."""
     row = vehicle_row(name)
     if dialect not in row.dialects:
         known = ", ".join(row.dialects)
@@ -163,13 +164,13 @@ def codec(
 
 
 def line_rate(name: str, wire: Mapping[str, str] = NO_WIRE) -> int:
-    """bit/s of the vehicle's line. Raises UnknownVehicle or UnknownKey."""
+    """Return the rate of the vehicle's line, bit/s. Raises UnknownVehicle or UnknownKey."""
     rate: int = read_wire(vehicle_row(name).keys, wire)["baud"]
     return rate
 
 
 def vehicle_row(name: str) -> VehicleRow:
-    """Raises UnknownVehicle."""
+    """Return the row of a vehicle. Raises UnknownVehicle."""
     row = VEHICLES.get(name)
     if row is None:
         raise UnknownVehicle(f"no vehicle {name!r}; there are: {', '.join(VEHICLES)}")
@@ -177,7 +178,7 @@ def vehicle_row(name: str) -> VehicleRow:
 
 
 def link(name: str) -> LinkRow:
-    """Raises UnknownVehicle, which names the links there are."""
+    """Return a link by its name. Raises UnknownVehicle, whose text lists the links."""
     rows = (*links(), *READ_ONLY)
     for row in rows:
         if row.name == name:
@@ -186,7 +187,7 @@ def link(name: str) -> LinkRow:
 
 
 def frame_types(tolerances: Tolerances | None = None) -> dict[str, FrameType]:
-    """Every type of every link by its name; where links differ in scope, the widest one."""
+    """Return all frame types of all links by name. If links differ in scope, the widest type."""
     found: dict[str, FrameType] = {}
     for row in links():
         for frame in row.frames(tolerances or Tolerances()):

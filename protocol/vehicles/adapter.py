@@ -1,8 +1,8 @@
-"""What the adapters of vehicles that answer nothing share: frames in, bounds on the way out.
+"""The common part of the adapters of boards that acknowledge nothing.
 
-The boards of documents 002, 003 and 004 acknowledge no command: a setpoint's frames are sent again
-every ``period`` seconds for as long as it holds, and the board goes neutral by itself after
-``silence`` (R16, R17).
+The boards of documents 002, 003 and 004 acknowledge no command. The frames of a setpoint are sent
+again every ``period`` seconds while it is in force; after ``silence`` seconds without a frame the
+board goes neutral by itself (R16, R17).
 
 What does not live here: any vehicle's table, units or signs.
 """
@@ -23,12 +23,12 @@ from protocol.vehicles.stick import steered
 
 
 class SilentBoard:
-    """A ``VehicleCodec`` with a stick. ``message`` gives None for what says
-    nothing; ``wire``: the values of its keys."""
+    """A ``VehicleCodec`` that also takes the stick's commands. ``message`` returns None for a frame
+    that reports nothing. ``wire``: the values of its keys."""
 
-    period: float  # s between frames that say what holds
-    silence: float  # s after which it goes neutral
-    kept_awake = ""  # why it is told to stop though nothing is asked of it; "": it is not
+    period: float  # s between repetitions of the setpoint in force
+    silence: float  # s without a frame after which the board goes neutral
+    kept_awake = ""  # why neutral is sent before any command; "": it is not sent
     channels: tuple[Channel, ...] = ()
 
     def __init__(
@@ -45,11 +45,12 @@ class SilentBoard:
         return {}
 
     def meaning_of_no(self, frame: bytes) -> str:
-        """It refuses nothing in words."""
+        """Return "": these boards send no refusals."""
         return ""
 
     def stick(self, held: Setpoint, word: bytes) -> Setpoint:
-        """What an M asks for, upon what the stick held before. Raises CannotEncode."""
+        """Return the setpoint after the M command ``word``; ``held``: the stick's setpoint before.
+        Raises CannotEncode."""
         return steered(held, word, self._wire)
 
     def receive(self, data: bytes, now: float) -> list[Received]:
@@ -72,7 +73,7 @@ def radians_of(values: Values, name: str) -> float | None:
 
 
 def heading_of(values: Values, name: str) -> float | None:
-    """A yaw that grows clockwise as a heading in [0, 2 pi)."""
+    """Return a clockwise yaw in degrees as a heading in [0, 2 pi)."""
     degrees = values[name]
     return None if degrees is None else math.radians(degrees) % math.tau
 
@@ -84,8 +85,9 @@ def fraction(axis: str, value: float) -> float:
 
 
 def refuse(setpoint: Setpoint, **reasons: str) -> None:
-    """Axes that the vehicle does not have, each with the reason; 0 asks for nothing but on an
-    axis that holds a value (heading, depth, altitude, pitch, roll)."""
+    """Raise CannotEncode if the setpoint uses an axis that the vehicle lacks; ``reasons``: why, by
+    axis. 0 of surge, turn or heave asks for nothing; 0 of heading, depth, altitude, pitch or roll
+    does."""
     for axis, why in reasons.items():
         value = getattr(setpoint, axis)
         if value is None or (value == 0.0 and axis in ("surge", "turn", "heave")):
@@ -94,7 +96,8 @@ def refuse(setpoint: Setpoint, **reasons: str) -> None:
 
 
 def fights(channel: Channel, setpoint: Setpoint | Order) -> bool:
-    """Whether it has to be at rest now: an order, or an axis that it excludes."""
+    """Whether the channel excludes axes and must be at rest now: for any order, or while the
+    setpoint uses one of them."""
     if isinstance(setpoint, Order):
         return bool(channel.excludes)
     values = (getattr(setpoint, axis) for axis in channel.excludes)

@@ -4,20 +4,20 @@
     Pi -> STM32   @ZA.. (protocol.motion_frame), relayed R, M and rudder frames
 
 Units and signs are converted once, here: yaw is positive to port, so heading = -yaw; PWM 1000..
-2000 us become -1..1 (no pulse is neutral; a thruster's width that is no PWM tells nothing of any);
+2000 us become -1..1 (no pulse is neutral; for other widths see ``sd_stream.fractions_of``);
 magnetometers are uT on the wire. Actuators in order: left main, right main, rear, left and right
 vertical thruster, left and right servo.
 
 Two dialects of the Z class:
 
-    documented   every word sets its own axis
+    documented   every command sets its own axis
     as-built     one horizontal mode (F B L R H), one vertical mode (U D S E), one speed for both;
-                 a heading is held under way by @ZAH-20,4$ only; A does nothing
+                 a heading is held while moving by @ZAH-20,4$ only; A does nothing
 
-A setpoint is reached from any earlier state: what it does not control is cleared by @ZAX0$, the
-only word that clears, which therefore leads unless the words that follow overwrite everything.
-It stops the thrusters for a moment, so between two sets that control the same axes ``change``
-leaves it out: a leg that steers does not stutter.
+The commands of a setpoint reach it from any earlier state. Only @ZAX0$ clears axes that the
+setpoint does not control, so it goes first unless the commands after it overwrite everything. It
+stops the thrusters for a moment. Between two sets that control the same axes ``change`` leaves it
+out, so that thrust is not interrupted while a leg steers.
 
 What does not live here: retries and gaps (the runtime's frontseat), frames to and from topside.
 """
@@ -122,7 +122,8 @@ _ATTITUDE = ("roll_deg", "pitch_deg", "yaw_deg")
 
 
 def telemetry(raw: bytes, t: float, battery_scale: BatteryScale = (1.0, 1.0)) -> Telemetry:
-    """An accepted ``@SD`` in SI; NaN and infinity become None, doubts are named in ``faults``."""
+    """Convert an accepted ``@SD`` to SI. NaN and infinity become None; ``faults`` names doubtful
+    fields."""
     values = SD.decode(raw)
     roll, pitch, yaw = (
         None if values[name] is None else values[name] * _DEGREE for name in _ATTITUDE
@@ -147,7 +148,8 @@ def telemetry(raw: bytes, t: float, battery_scale: BatteryScale = (1.0, 1.0)) ->
 
 
 def shortcut(tolerances: Tolerances, battery_scale: BatteryScale) -> Shortcut:
-    """``telemetry`` again, at the speed of a log, where the checksum is the normative one."""
+    """Return the fast path for ``@SD``, used if the checksum is the normative one: the values of
+    ``telemetry``, fast enough for logs."""
     usual = tolerances["sd_crc"] == SD_DEFAULT
 
     def message(frame: Frame) -> Telemetry | Ack:
@@ -188,7 +190,7 @@ def _pair(gear: int, positive: str, negative: str) -> str:
 
 
 def _vertical(setpoint: Setpoint) -> str | None:
-    """The word of the vertical axis, None where it is not controlled."""
+    """Return the command of the vertical axis, None if it is not controlled."""
     given = [setpoint.depth, setpoint.altitude, setpoint.heave]
     if sum(value is not None for value in given) > 1:
         raise CannotEncode("depth, altitude and heave: at most one of them can be held")
@@ -244,7 +246,7 @@ def _as_built(setpoint: Setpoint) -> list[str]:
 
 
 def _horizontal(setpoint: Setpoint) -> tuple[str | None, int]:
-    """The word of the one horizontal mode, None for none, and its speed."""
+    """Return the command of the one horizontal mode, None for none, and its gear."""
     surge, turn = _gear("surge", setpoint.surge), _gear("turn", setpoint.turn)
     if setpoint.heading is not None:
         if turn:
@@ -262,18 +264,18 @@ def _horizontal(setpoint: Setpoint) -> tuple[str | None, int]:
 
 
 _CLEAR = EMERGENCIES[Order.STOP]
-_AXES = {"B": "F", "L": "R", "D": "U"}  # two words of one axis
+_AXES = {"B": "F", "L": "R", "D": "U"}  # opposite commands of one axis
 
 
 def _axes(frames: list[bytes]) -> list[str]:
-    """What each word sets, by its letter."""
+    """Return the axis that each command sets, as a letter."""
     return [_AXES.get(letter, letter) for letter in (chr(frame[3]) for frame in frames)]
 
 
 def change(wanted: list[bytes], held: list[bytes]) -> list[bytes]:
-    """The frames of ``wanted`` for a vehicle that holds the whole of ``held``: without what clears,
-    if there is nothing to be cleared. The others all leave, also those that are as they were: a
-    board that has forgotten them since is mended by that."""
+    """Return the frames of ``wanted`` for a vehicle that holds all of ``held``: without the @ZAX0$
+    that clears, if both control the same axes. Unchanged commands are sent too, for a board that
+    has lost them since."""
     alike = wanted[0] == _CLEAR and _axes(wanted) == _axes(held)
     return wanted[1:] or wanted if alike else wanted
 
@@ -283,7 +285,7 @@ DIALECTS: dict[str, Callable[[Setpoint], list[str]]] = {
     "as-built": _as_built,
 }
 
-# What an N to a word of a dialect probably means: the board speaks the other one.
+# What an N to a command of a dialect probably means: the board speaks the other dialect.
 MEANINGS = {
     ("as-built", b"H"): "probably built to the letter, where no gear stands behind "
     "a heading; then the vehicle file is auv-documented",
@@ -293,8 +295,8 @@ MEANINGS = {
 
 
 def dialect_of(answer: Ack) -> str:
-    """Whose answer to ``@ZAX0$`` this is, "" if it is none: built to the letter an STM32 names the
-    word that it answers, as built it says A to all of them."""
+    """Return the dialect that an answer to ``@ZAX0$`` shows, "" if it is no such answer. An STM32
+    that follows the document names the command that it answers; as built it sends A for all."""
     builds = {"X": "documented", "A": "as-built"}
     return builds.get(answer.function, "") if answer.group == "Z" else ""
 
@@ -317,7 +319,7 @@ class AuvCodec:
         self.framer = FROM_STM32.framer(chosen, shortcut(chosen, battery_scale))
 
     def receive(self, data: bytes, now: float) -> list[Received]:
-        found: list[Any] = self.framer.receive(data, now)  # the shortcut makes messages of frames
+        found: list[Any] = self.framer.receive(data, now)  # the shortcut turns frames into messages
         return found
 
     def next_timer(self) -> float | None:

@@ -1,8 +1,8 @@
-"""The AUV's channels (document 000): rudders by ``@DS``, power by ``@RS``; its magnetometers.
+"""The AUV's channels (document 000): rudders by ``@DS``, power by ``@RS``; its sources.
 
-``@RS`` says all seven devices at once, so that whoever switches one says the others too: as they
-were said last through here, on at first. CTD and radio stay on whatever is said (E-T2); in one
-build their letters mean other things.
+``@RS`` switches all seven devices at once. To switch one, the others are sent as this module sent
+them last, at first as on. CTD and radio stay on in any case (E-T2); in one build of the firmware
+some letters mean other devices.
 
 What does not live here: the frames (protocol.topside_frames), the report (protocol.vehicles.auv).
 """
@@ -35,7 +35,7 @@ CHANNELS: tuple[Channel, ...] = (
 
 
 def frames_of(given: Mapping[str, float], levels: Mapping[str, float]) -> dict[str, bytes]:
-    """For the channels ``given``; ``levels`` has all of them."""
+    """Return the frames for the channels ``given``, by what they set. ``levels`` has all."""
     frames = {
         name: D.encode({"mode": "S", "servo": servo, "angle": int(given[name])})
         for name, servo in _RUDDERS.items()

@@ -1,10 +1,11 @@
-"""What a vehicle's frames carry beside the motion: outputs that can be set, readings that come in.
+"""Data in a vehicle's frames beside the motion: outputs that can be set, readings that come in.
 
     Channel   led_pct       set by legs and by @AO, under a name and bounds of the vehicle file
     Source    metal_pct     read by guards, under a name of the vehicle file
 
 A row of VEHICLES has its channels and sources. What does not live here: names, bounds and safe
-states of one vehicle (mission.model.vehicle), who may set what and when (mission.engine.outputs).
+states of one vehicle (mission.model.vehicle), who may set an output and when
+(mission.engine.outputs).
 """
 
 from __future__ import annotations
@@ -21,11 +22,10 @@ Levels = Mapping[str, float]  # by channel
 class Channel:
     """A number in a frame, ``low``..``high`` in ``unit`` ("": a switch or a code).
 
-    ``rest``: what it is where nobody says anything. ``whole``: no fraction is possible;
-    ``choices``: nothing but these is, unless there are none.
-    ``needed``: what it would take away; no mission may set it. ``excludes``: axes of a setpoint
-    that it would fight against, and which therefore have it at rest. ``final``: what it does cannot
-    be taken back.
+    ``rest``: its level while nothing sets it. ``whole``: whole numbers only. ``choices``: if there
+    are any, these levels only. ``needed``: what the vehicle needs it for; no mission may set it.
+    ``excludes``: axes of a setpoint that it would work against; while one of them is in use the
+    channel is at rest. ``final``: its effect cannot be undone.
     """
 
     name: str
@@ -41,7 +41,7 @@ class Channel:
     final: bool = False
 
     def fault(self, value: float) -> str:
-        """Why the frame cannot carry it, "" if it can."""
+        """Return why the frame cannot carry ``value``, "" if it can."""
         if not self.low <= value <= self.high:
             return f"{value:.9g} is outside {self.low:.9g} to {self.high:.9g}"
         if self.whole and value != int(value):
@@ -60,7 +60,7 @@ def _of_board(name: str) -> Callable[[Telemetry], float | None]:
 
 @dataclass(frozen=True, slots=True)
 class Source:
-    """A number of a report, in ``unit``; ``read`` where it is not among ``Telemetry.board``."""
+    """A number of a report, in ``unit``; ``read`` returns it, None if it is not reported."""
 
     name: str
     unit: str
@@ -69,7 +69,7 @@ class Source:
 
 
 def of_board(name: str, unit: str, meaning: str) -> Source:
-    """A field of the report that stands in ``Telemetry.board`` under the same name."""
+    """Return the source of a value that ``Telemetry.board`` has under the same name."""
     return Source(name, unit, meaning, _of_board(name))
 
 
@@ -80,8 +80,8 @@ def at_rest(channels: tuple[Channel, ...]) -> Levels:
 def told(
     values: Mapping[str, object], flags: tuple[str, ...], sources: tuple[Source, ...]
 ) -> tuple[tuple[str, float], ...]:
-    """What a frame says of ``sources``; what is doubtful (``name:reason``) or missing is left
-    out."""
+    """Return the values that a frame has for ``sources``, without those that are missing or
+    doubtful (a flag ``name:reason``)."""
     doubtful = {flag.partition(":")[0] for flag in flags}
     names = (source.name for source in sources if source.name not in doubtful)
     read = ((name, values.get(name)) for name in names)

@@ -7,15 +7,15 @@
 
 Floats are low byte first, 16-bit integers high byte first (E-B1, E-B2; tolerance ``float_order``);
 the checksum is the XOR of everything before it, header included. Bytes 50-61 and 83-86 of 3-1,
-124-126 and the undefined 12-13 and 18-22 of 4-2 are kept as they come. Leak: 1 is a leak (E-B5);
-the older byte 23 of 4-2 has the opposite sense and is only compared.
+124-126 and the undefined 12-13 and 18-22 of 4-2 are passed through. Leak: 1 is a leak (E-B5); the
+older byte 23 of 4-2 has the opposite sense and is only compared.
 
-The adapter is the PC's: telemetry from table 3-1, setpoints by table 3-2 at 10 Hz. Angles are taken
-as aerospace ones (x north, y east in the document's text, so z down: yaw clockwise, roll starboard
-down, TZ positive down). Mode stays ROV, in which the six forces act; the board closes its heading
-and depth loops together. Neutral is 100 on the wire, never 0 (E-B9).
+The adapter acts as the PC: telemetry from table 3-1, setpoints by table 3-2 at 10 Hz. Angles are
+read as aerospace ones: in the document's text x is north and y east, so z is down, yaw clockwise,
+roll starboard down, TZ positive down. The mode stays ROV, in which the six forces act. The board
+closes its heading and depth loops together, or neither. Neutral is 100 on the wire, never 0 (E-B9).
 
-What does not live here: the CAN behind the main board (protocol.vehicles.motorcan).
+What does not live here: the CAN bus behind the main board (protocol.vehicles.motorcan).
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ from protocol.vehicles.stick import stick_keys
 
 PERIOD = 0.1  # s between frames to the board (R16)
 SILENCE = 0.5  # s after which the board goes neutral
-LEAK_FRAMES = 3  # more that tell of a leak than deny it confirm one (R16)
+LEAK_FRAMES = 3  # so many more frames with a leak than without one confirm it (R16)
 
 HEAD, TAIL, SENSOR_TAIL = Const(b"\xfe\xef"), b"\xfa\xaf", b"\xfd\xdf"
 XOR = Check(xor8, "B")
@@ -77,7 +77,7 @@ def _place(tolerances: Tolerances) -> tuple[Number, ...]:
 
 
 def _tail(tail: bytes, tolerances: Tolerances) -> Const:
-    """The table's is sent; the other one may be heard (E-B3b)."""
+    """Return the table's tail, which is sent; the other one may be accepted too (E-B3b)."""
     other = SENSOR_TAIL if tail == TAIL else TAIL
     return Const(tail, also=other if tolerances["tail002"] == "either" else b"")
 
@@ -149,8 +149,8 @@ def main_to_sensor(tolerances: Tolerances) -> BinaryFrame:
 def sensor_to_main(tolerances: Tolerances) -> BinaryFrame:
     """Sensor board to main board, 155 bytes (002 table 4-2; E-B4, E-B5, E-B12).
 
-    A frame of the older layout passes every check; its ``leak_legacy_raw`` and angles then stand
-    in ``flags``."""
+    A frame of the older layout passes every check; then ``flags`` names ``leak_legacy_raw`` and
+    angles."""
     order = _order(tolerances)
     fields: tuple[Field, ...] = (
         HEAD,
@@ -177,7 +177,7 @@ def sensor_to_main(tolerances: Tolerances) -> BinaryFrame:
         _tail(TAIL, tolerances),
     )
     name, title = "coreboard.SENSOR_TO_MAIN", "002 table 4-2"
-    alike = tolerances["leak002"] == tolerances["leak23"]  # E-B5: they are not
+    alike = tolerances["leak002"] == tolerances["leak23"]  # not so in the document (E-B5)
 
     def doubts(values: Values) -> None:
         bits = enumerate(VALID_BITS)
@@ -213,14 +213,14 @@ SOURCES: tuple[Source, ...] = (
 
 
 class Leaks:
-    """Frames that tell of a leak against those that deny it (R16)."""
+    """Counts frames that report a leak against frames that report none (R16)."""
 
     def __init__(self, tolerances: Tolerances) -> None:
         self._dry = 1 - int(tolerances["leak002"])  # code
         self._count = 0
 
     def take(self, code: int) -> bool:
-        """Whether it is confirmed; a code that is unknown counts as a leak."""
+        """Count a frame; return whether the leak is confirmed. An unknown code counts as a leak."""
         step = -1 if code == self._dry else 1
         self._count = min(max(self._count + step, 0), 2 * LEAK_FRAMES)
         return self._count >= LEAK_FRAMES
@@ -229,7 +229,7 @@ class Leaks:
 def telemetry(
     values: Values, t: float, leak: bool, scale: tuple[float, float] = (1.0, 1.0)
 ) -> Telemetry:
-    """Table 3-1 in SI. A position counts only while the INS says that it is aligned."""
+    """Convert table 3-1 to SI. A position counts only while the INS reports that it is aligned."""
     place = (radians_of(values, "lat_deg"), radians_of(values, "lon_deg"))
     doubtful = {flag.partition(":")[0] for flag in values["flags"]}
     latitude, longitude = place
@@ -287,28 +287,28 @@ NEUTRAL: Values = {
 
 
 def auxiliary(wire: Wire) -> Values:
-    """The bytes of table 3-2 that move nothing, as configured."""
+    """Return the values of table 3-2 beside the motion, as configured."""
     values = {key.name: wire[key.name] for key in AUXILIARY}
     values["angle_error_deg"] /= values.pop("angle_error_step")
     return values
 
 
 def levels_of(wire: Wire) -> dict[str, float]:
-    """The channels, as configured."""
+    """Return the levels of the channels, as configured."""
     passed = zip(PASSED_ON, bytes.fromhex(wire["passthrough"]), strict=True)
     switched = (row.name for row in CHANNELS if row.name in wire)
     return {name: wire[name] for name in switched} | dict(passed)
 
 
 def carried(levels: Mapping[str, float]) -> Values:
-    """The channels as values of table 3-2."""
+    """Return the channels as values of table 3-2."""
     whole = {name: int(level) for name, level in levels.items()}
     passed = bytes(whole.pop(name) for name in PASSED_ON)
     return whole | {"passthrough": passed.hex()}
 
 
 def command(setpoint: Setpoint | Order) -> Values:
-    """Values of table 3-2. Raises CannotEncode."""
+    """Return the values of table 3-2 for the motion. Raises CannotEncode."""
     if setpoint is Order.STOP:
         return NEUTRAL
     if setpoint is Order.SURFACE:
@@ -356,7 +356,7 @@ class CoreboardCodec(SilentBoard):
         self._scale = battery_scale
         self._auxiliary = auxiliary(self._wire)
         self.levels = levels_of(self._wire)
-        self.encode(Order.STOP)  # refused here if what is configured has no place in its bytes
+        self.encode(Order.STOP)  # refused here if the configured values do not fit
         self._leaks = Leaks(chosen)
 
     def _telemetry(self, frame: Frame) -> Received:

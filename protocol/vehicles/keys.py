@@ -1,9 +1,9 @@
-"""The keys of a vehicle's ``wire`` table: what its document leaves open, or a board changes.
+"""The keys of a vehicle's ``wire`` table: values that its document leaves open or a board changes.
 
-    wire: {surge_g: 8000, ins_on: 0}        # beyond the defaults, which are the document's
+    wire: {surge_g: 8000, ins_on: 0}        # in place of the defaults, which are the document's
 
-A row of VEHICLES has its keys; an unknown name or a value outside its range is refused before any
-byte is written. What does not live here: how bytes are read otherwise (protocol.tolerances).
+A row of VEHICLES has its keys. An unknown name or a value outside its range is refused before any
+byte is written. What does not live here: other readings of the bytes (protocol.tolerances).
 """
 
 from __future__ import annotations
@@ -15,12 +15,12 @@ from typing import Any
 
 
 class UnknownKey(ValueError):
-    """Says which keys there are, or what the value may be."""
+    """No such key, or a bad value; the text lists the keys, or what the value may be."""
 
 
 @dataclass(frozen=True, slots=True)
 class Key:
-    """A number; ``whole``: no fraction is possible. ``meaning`` has its unit."""
+    """A number. ``whole``: whole numbers only. ``meaning`` includes the unit."""
 
     name: str
     default: float
@@ -46,7 +46,7 @@ class Key:
 
 @dataclass(frozen=True, slots=True)
 class Octets:
-    """So many bytes, in hexadecimal."""
+    """Bytes in hexadecimal, as many as ``default`` has."""
 
     name: str
     default: str
@@ -67,7 +67,7 @@ class Octets:
 
 
 def baud(default: int) -> Key:
-    """Of its line; every vehicle has this key."""
+    """Return the key for the bit rate of a vehicle's line; every vehicle has it."""
     return Key("baud", default, 300, 4_000_000, "bit/s of its line, where the link's URL has none")
 
 
@@ -76,7 +76,7 @@ Wire = Mapping[str, Any]  # by name: a number, or bytes in hexadecimal
 
 
 def read_wire(keys: Keys, given: Mapping[str, str]) -> Wire:
-    """Every key with its value. Raises UnknownKey."""
+    """Return every key with its value, given or default. Raises UnknownKey."""
     there = {key.name: key for key in keys}
     for name in given:
         if name not in there:

@@ -1,13 +1,13 @@
-"""The Pi in the place of document 002's main board, with sensor board and motor boards.
+"""The Pi in place of document 002's main board, with sensor board and motor boards.
 
     motor boards   CAN, tables 5-1 and 5-2    force and torque, every 50 ms (motorcan)
     sensor board   serial 115200, table 4-1   switches, four LEDs, pan/tilt, drop weight, 16 bytes
                    table 4-2                  all sensors, 10 to 50 Hz
 
-Both are written as one stream; ``links.joined`` gives each its own. The sensor board is told anew
-with every word to the motors: each of its frames carries the power of all sensors.
-A position counts while its valid bits say GPS or INS aligned. Velocities of DVL and visual odometry
-are readings alone: the document gives them neither frame nor sign.
+The codec writes both as one stream; ``links.joined`` gives each board its own. Every command to the
+motors comes with a frame to the sensor board: each such frame carries the power of all sensors. A
+position counts only while the valid bits report GPS or INS aligned. Velocities of DVL and visual
+odometry are readings only: the document gives neither their frame nor their sign.
 
 What does not live here: the tables (protocol.vehicles.coreboard), holding depth and heading
 (mission.onboard.runtime.outer_loop).
@@ -76,8 +76,8 @@ KEYS: Keys = MOTOR_KEYS
 def telemetry(
     values: Values, t: float, leak: bool, scale: tuple[float, float] = (1.0, 1.0)
 ) -> Telemetry:
-    """Table 4-2 in SI. In the older layout (E-B4) nothing stands in its place: depth and heading
-    are doubtful, and no position counts."""
+    """Convert table 4-2 to SI. In a frame of the older layout (E-B4) the fields are elsewhere:
+    depth and heading are flagged as doubtful, and no position counts."""
     flags = tuple(values["flags"])
     if older := "leak_legacy_raw:bad_enum" in flags:
         flags += _MISPLACED
@@ -126,12 +126,12 @@ class MainboardCodec(MotorCodec):
         return telemetry(values, frame.t, self._leaks.take(values["leak"]), self._scale)
 
     def encode(self, setpoint: Setpoint | Order) -> list[bytes]:
-        """Force, torque, and what the sensor board is told. Raises CannotEncode."""
+        """Return force, torque and the sensor board's frame. Raises CannotEncode."""
         return [*super().encode(setpoint), self._sensors.encode(carried(self.levels))]
 
 
 def carried(levels: Mapping[str, float]) -> Values:
-    """The channels as values of table 4-1."""
+    """Return the channels as values of table 4-1."""
     whole = {name.removesuffix("_on"): int(level) for name, level in levels.items()}
     passed = bytes(whole.pop(name) for name in _PASSED)
     return whole | {"passthrough": passed.hex()}

@@ -3,16 +3,16 @@
     ID 001  DLC 7   FF  Fx Fy Fz   i16, high byte first, gram-force
     ID 002  DLC 7   FE  Mx My Mz   i16, high byte first, N m
 
-Identifier and first byte must agree; identifiers are the standard 11-bit ones, 500 kbit/s assumed
-(E-B14, R16). A frame's table is its data; on a link a CAN frame is a record
+Identifier and first byte must agree. Identifiers are the standard 11-bit ones; 500 kbit/s is
+assumed (E-B14, R16). A frame's table describes its data. On a link a CAN frame is a record:
 
     identifier u16, high byte first | DLC u8 | data
 
-which ``links.can`` hands out and takes, and which a line ``001#FF001000200030`` (as candump writes
-it) becomes. ``can_id``: the identifier that is expected instead of the table's two.
+``links.can`` sends and receives records; ``from_line`` makes one of a line ``001#FF001000200030``,
+as candump writes it. Tolerance ``can_id``: the identifier expected instead of the table's two.
 
-The adapter turns a setpoint into one force and one torque frame, to be repeated every 50 ms; the
-boards stop after 200 ms of silence. They report nothing, and hold nothing.
+The adapter turns a setpoint into one force and one torque frame, to be repeated every 50 ms. The
+boards stop after 200 ms of silence. They report nothing, and hold no heading, depth or attitude.
 """
 
 from __future__ import annotations
@@ -51,12 +51,12 @@ TORQUE = BinaryFrame(
 
 
 def record(identifier: int, data: bytes) -> bytes:
-    """A CAN frame as links and recordings carry it."""
+    """Return a CAN frame as the record that links and recordings carry."""
     return identifier.to_bytes(2, "big") + bytes([len(data)]) + data
 
 
 def from_line(line: str) -> bytes:
-    """``ID#DATA`` as a record; raises ValueError for anything else."""
+    """Return ``ID#DATA`` as a record. Raises ValueError for anything else."""
     match = _LINE.match(line)
     if match is None:
         raise ValueError("write the identifier and the data in hexadecimal: 001#FF001000200030")
@@ -66,7 +66,8 @@ def from_line(line: str) -> bytes:
 
 
 class CanFrame(FrameType):
-    """A table with its identifier. In a stream it is a record; alone, also its bare data."""
+    """A table with its CAN identifier. In a stream the frame is a record; ``check`` and ``decode``
+    also take its bare data."""
 
     def __init__(self, table: BinaryFrame, identifier: int) -> None:
         self.table, self.identifier = table, identifier
@@ -88,7 +89,7 @@ class CanFrame(FrameType):
         return self.table.decode(self._data(raw))
 
     def encode(self, values: Mapping[str, Any]) -> bytes:
-        """The data alone, as the document prints it."""
+        """Return the data alone, as the document prints it."""
         return self.table.encode(values)
 
     def record(self, values: Mapping[str, Any]) -> bytes:
@@ -139,7 +140,7 @@ class MotorCodec(SilentBoard):
         self.encode(Setpoint(turn=1.0))  # refused here if a full effort has no place in its bytes
 
     def encode(self, setpoint: Setpoint | Order) -> list[bytes]:
-        """Records: force, then torque. Raises CannotEncode."""
+        """Return two records: force, then torque. Raises CannotEncode."""
         full = self._wire
         surge, turn, heave = _efforts(setpoint)
         force = {"fx_g": surge * full["surge_g"], "fy_g": 0, "fz_g": heave * full["heave_g"]}
@@ -148,7 +149,7 @@ class MotorCodec(SilentBoard):
 
 
 def _silent(frame: Frame) -> None:
-    """Other masters' frames are heard on the bus; they report nothing."""
+    """Ignore received frames: on the bus they are other masters' commands, no reports."""
 
 
 def _efforts(setpoint: Setpoint | Order) -> tuple[float, float, float]:

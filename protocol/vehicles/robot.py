@@ -3,15 +3,16 @@
     Pi -> STM32   AA | address | command | length | user 0..5 | sum | DD     12 bytes
     STM32 -> Pi   AA | speed | voltage | sum | DD                             7 bytes
 
-The sum is over everything before it, mod 255 (E-P2, E-P6): a byte changed between 00 and FF stays
-unseen, so "stop" and "handshake" have the same sum. ``mod``: 256, or either, while commissioning.
+The sum is over everything before it, mod 255 (E-P2, E-P6). A change of a byte between 00 and FF is
+not detected: "stop" and "handshake" have the same sum. Tolerance ``mod``: 256, or either, while
+commissioning.
 Numbers are low byte first: speed i16 mm/s, angles i16 0.01 deg, voltage u16 mV, alarm values u32
 thousandths (E-P4, E-P5). Answers to the power queries and the handshake have no frame (E-P8).
 
     address  1 robot  2 gimbal  3 arm  4 power  5 IMU  6 sensor    (3, 5, 6 have no table)
 
-Setpoints: it drives on the ground, so ahead, back or a spin on the spot, at a speed; nothing else.
-SURFACE stops it: a robot that cannot dive is where it should be. Sent every 100 ms; it stops after
+Setpoints: the robot drives on the ground: ahead, back or a spin on the spot, at a speed; nothing
+else. SURFACE stops it, since it cannot dive. Commands are sent every 100 ms; the robot stops after
 300 ms of silence (R17).
 
 What does not live here: framing (protocol.framing), the power module's own serial line.
@@ -80,9 +81,9 @@ class Item:
     size: int
     low: int
     high: int
-    listed: bool = False  # what the numbers mean is listed: another one is a wrong code
-    decimals: int = 0  # of the number that it counts
-    words: tuple[str, ...] = ()  # what the power module calls them, from ``low`` on
+    listed: bool = False  # an enumeration: any other number is a wrong code
+    decimals: int = 0  # 3: it counts thousandths
+    words: tuple[str, ...] = ()  # the power module's names of the values, from ``low`` on
 
     def doubt(self, user: bytes) -> FaultKind | None:
         if self.low <= self.read(user) <= self.high:
@@ -90,7 +91,7 @@ class Item:
         return FaultKind.BAD_ENUM if self.listed else FaultKind.OUT_OF_RANGE
 
     def told(self, user: bytes) -> str:
-        """As the power module takes it: a name, or a number in whole units."""
+        """Return the text that the power module takes: a name, or a number (36000 as 36)."""
         value = self.read(user)
         if self.words:
             return self.words[value - self.low]
@@ -110,7 +111,7 @@ class Item:
 
 @dataclass(frozen=True, slots=True)
 class Command:
-    """A row of the document's command tables. ``at``: how the power module's text begins."""
+    """A row of the document's command tables. ``at``: start of the text to the power module."""
 
     address: int
     command: int
@@ -123,7 +124,7 @@ class Command:
         return sum(item.size for item in self.items)
 
     def line(self, user: bytes) -> str:
-        """What is sent on to the power module, with value and line end (E-P7)."""
+        """Return the text that is sent on to the power module, with value and line end (E-P7)."""
         values = "".join(f"+{item.told(user)}" for item in self.items)
         return f"{self.at}{values}\r\n"
 
@@ -174,8 +175,8 @@ def _check(tolerances: Tolerances) -> Check:
 
 
 class DownFrame(BinaryFrame):
-    """Pi to STM32, 12 bytes (004, frame format; E-P1, E-P3). The user bytes decide; on encode they
-    may be left out, and the named items of the command are written instead."""
+    """Pi to STM32, 12 bytes (004, frame format; E-P1, E-P3). ``encode`` writes the user bytes if
+    they are given, else the named items of the command."""
 
     def __init__(self, tolerances: Tolerances) -> None:
         fields = (
@@ -197,7 +198,7 @@ class DownFrame(BinaryFrame):
         if row is None:
             return FaultKind.BAD_ENUM
         if raw[3] < row.length:
-            return FaultKind.BAD_LENGTH  # a value of which not all bytes count (G4)
+            return FaultKind.BAD_LENGTH  # it does not cover all bytes of the value (G4)
         return next(filter(None, (item.doubt(raw[4:10]) for item in row.items)), None)
 
     def decode(self, raw: bytes) -> Values:
@@ -273,7 +274,7 @@ def telemetry(
 
 
 def motion(setpoint: Setpoint | Order) -> tuple[int, float]:
-    """Command and share of the full speed. Raises CannotEncode."""
+    """Return command and share of the full speed. Raises CannotEncode."""
     if isinstance(setpoint, Order):
         return STOP, 0.0
     ground = "the robot drives on the ground"
@@ -312,19 +313,19 @@ class RobotCodec(SilentBoard):
         chosen = tolerances or Tolerances()
         super().__init__(LINKS[1].framer(chosen), self._telemetry, wire or read_wire(KEYS, {}))
         self._frame, self._scale = DownFrame(chosen), battery_scale[0]
-        self.encode(Setpoint(surge=1.0))  # refused here if a full speed has no place in its bytes
+        self.encode(Setpoint(surge=1.0))  # refused here if a full speed does not fit in its bytes
 
     def _telemetry(self, frame: Frame) -> Received:
         return telemetry(frame.values(), frame.t, self._scale, self._wire["speed_step"])
 
     def take_outputs(self, levels: Mapping[str, float]) -> dict[str, bytes]:
-        self._speed(levels.get("side_speed_mm_s", 0.0))  # as a full speed: refused here
+        self._speed(levels.get("side_speed_mm_s", 0.0))  # refused here if it does not fit
         super().take_outputs(levels)
         told = commands(levels, self.levels)
         return {sets(values): self._frame.encode(values) for values in told}
 
     def encode(self, setpoint: Setpoint | Order) -> list[bytes]:
-        """The speed first: a motion begins with what it should have."""
+        """Return the speed first, then the motion, which so begins at the right speed."""
         command, share = motion(setpoint)
         speed = share * self._wire["full_speed"]
         if command == STOP and not fights(CHANNELS[0], setpoint):

@@ -1,11 +1,11 @@
 """The robot's channels (document 004): side moves, gimbal, power module, handshake.
 
-    side 3..8      robot     motions that no setpoint asks for, while it neither drives nor spins
+    side 3..8      robot     moves that no setpoint asks for, while it neither drives nor spins
     gimbal_*       gimbal    both angles in one frame; both 0: the command "centre"
-    *_v *_a *_w    power     one text of the power module each
+    *_v *_a *_w    power     one text to the power module each
 
-A side move is said with the motion, again and again; the others by themselves, once for each
-change. What does not live here: the frames (protocol.vehicles.robot).
+A side move is sent with the motion, and repeated with it. The others have frames of their own, made
+once for each change. What does not live here: the frames (protocol.vehicles.robot).
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from protocol.vehicles.channels import Channel, Source
 GIMBAL, POWER, ROBOT = 2, 4, 1
 HANDSHAKE = 0xFF
 SIDES = (0, *range(3, 9))
-_STATED = math.nan  # what it is at rest only its builder knows
+_STATED = math.nan  # at rest: only the builder knows it, so the vehicle file states ``safe``
 _DRIVES = ("surge", "turn")
 
 
@@ -48,7 +48,7 @@ CHANNELS: tuple[Channel, ...] = (
 )  # fmt: skip
 
 _ANGLES = ("gimbal_yaw_deg", "gimbal_pitch_deg")
-_ONE = (  # commands that set the same: centre and angles, the questions to the power module
+_ONE = (  # commands that set the same thing: centre and angles, the queries to the power module
     ((GIMBAL, 0), (GIMBAL, 2)),
     ((POWER, 0), (POWER, 1), (POWER, 2), (POWER, 3)),
 )
@@ -73,7 +73,8 @@ SOURCES: tuple[Source, ...] = (
 
 
 def commands(given: Iterable[str], levels: Mapping[str, float]) -> Iterator[Mapping[str, Any]]:
-    """Values of ``robot.DOWN`` for the channels ``given``; none for what rides with the motion."""
+    """Yield values of ``robot.DOWN`` for the channels ``given``, but for those of a side move,
+    which is sent with the motion."""
     names = list(given)
     if any(name in _ANGLES for name in names):
         yield _gimbal(*(levels[name] for name in _ANGLES))
@@ -92,7 +93,7 @@ def commands(given: Iterable[str], levels: Mapping[str, float]) -> Iterator[Mapp
 
 
 def sets(values: Mapping[str, Any]) -> str:
-    """What such values set, by whichever of its commands."""
+    """Return a name of what these values set; commands that set the same thing have one name."""
     address, command = values["address"], values["command"]
     first = next((row[0] for row in _ONE if (address, command) in row), (address, command))
     return f"{first[0]} {first[1]}"

@@ -8,14 +8,15 @@ DateLen counts Command and Date, so a frame has DateLen + 7 bytes (E-R1); the su
 and Date, mod 256. Numbers are low byte first (E-R3, tolerance ``float_order``). ``len003 = loose``
 ignores DateLen and trusts the length of the type.
 
-Signs, from the document's own sample: at rest az = -0.981 g, so z points down; roll -6.4 deg goes
-with ay = +0.11 g = -sin(roll), pitch -0.33 deg with ax = -0.007 g = sin(pitch). So Euler X is roll
-starboard down, Euler Y pitch nose up, and Euler Z by the right hand a yaw that grows clockwise.
+Signs follow from the document's own sample. At rest az = -0.981 g, so z points down. Roll -6.4 deg
+goes with ay = +0.11 g = -sin(roll), pitch -0.33 deg with ax = -0.007 g = sin(pitch). So Euler X is
+roll, starboard down positive; Euler Y is pitch, nose up positive; Euler Z is, by the right-hand
+rule, a yaw that grows clockwise.
 
 Setpoints: X ahead, Z turn to starboard, F up ("float"), each -1..1 of full effort (E-R8). The two
-hold flags hold what is there when they are set; they take no heading and no depth, so neither can
-be asked for. The document gives r/min neither a sign nor a full speed: the keys have both, and
-``doctor --signs`` finds them. Sent at 20 Hz; the board goes neutral after 500 ms of silence (R17).
+hold flags hold the present heading and depth; they take no value, so no setpoint can ask for one.
+The document gives no sign and no full speed of r/min: the keys have both, and ``doctor --signs``
+finds them. Sent at 20 Hz; the board goes neutral after 500 ms of silence (R17).
 
 What does not live here: framing and checks (protocol.framing, protocol.fields).
 """
@@ -84,7 +85,7 @@ SUM, TAIL = Check(sum256, "B", first=_COMMAND_AT), Const(b"\r\n")
 
 
 class RovFrame(BinaryFrame):
-    """``loose``: DateLen may be any (E-R1)."""
+    """``loose``: any DateLen is accepted (E-R1)."""
 
     loose = False
 
@@ -102,7 +103,7 @@ def _floats(tolerances: Tolerances, *names: str, bound: float | None = None) -> 
 
 
 def full_effort(tolerances: Tolerances) -> float:
-    """What X, Z and F are then (E-R8)."""
+    """Return the value of X, Z and F at full effort (E-R8)."""
     return float(tolerances["effort003"])
 
 
@@ -181,7 +182,7 @@ CHANNELS: tuple[Channel, ...] = (
     Channel("hold_depth", "", 0, 1, "1: the board holds the depth it has",
             excludes=("heave", "depth", "altitude")),
 )  # fmt: skip
-LATER = ("led_pct", "servo_deg")  # which the older layout does not have
+LATER = ("led_pct", "servo_deg")  # channels that the older layout lacks
 SOURCES: tuple[Source, ...] = (
     of_board("metal_pct", "%", "metal detector"),
     of_board("temperature_c", "C", "of the board"),
@@ -191,7 +192,8 @@ SOURCES: tuple[Source, ...] = (
 
 
 def telemetry(values: Values, t: float, full: Sequence[float] = _FULL) -> Telemetry:
-    """``full``: r/min at full effort, by thruster; one of 0: what they do is not known."""
+    """Convert CmdType 01 to SI. ``full``: r/min at full effort, by thruster; if one is 0, the
+    actuators are unknown."""
     legacy = "temperature_c" not in values
     return Telemetry(
         t=t,
@@ -224,7 +226,7 @@ NEUTRAL: Values = {
 
 
 def command(setpoint: Setpoint | Order) -> Values:
-    """Values of CmdType 11. Raises CannotEncode."""
+    """Return the values of CmdType 11. Raises CannotEncode."""
     if setpoint is Order.STOP:
         return NEUTRAL
     if setpoint is Order.SURFACE:

@@ -1,11 +1,11 @@
-"""A stretch of the STM32's line read in one go: flawless ``@SD`` and the noise between them.
+"""The fast path for the STM32's line: reads flawless ``@SD`` and the noise between them in one go.
 
-    |..@SD.........$@SD.........$...@SD.........$xx@AC    what was read ends behind the third frame
+    |..@SD.........$@SD.........$...@SD.........$xx@AC    reading ends behind the third frame
      ^ at                                       ^ stop
 
-It says what the frame's table says (protocol.vehicles.auv: ``telemetry``), at a third of the cost,
-and only where nothing is doubtful. What it does not understand it leaves to the ordinary way:
-values that are flagged, torn frames, noise in which a frame could begin, any other checksum.
+The result is that of the frame's table (protocol.vehicles.auv: ``telemetry``), at a third of the
+cost, and only if nothing is doubtful. The ordinary scan reads everything else: values that are
+flagged, torn frames, noise in which a frame could begin, any other checksum.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ LENGTH = 86
 _TURN = 2 * math.pi
 _DEGREE = math.pi / 180
 _NO_ECHO = ("altitude_m:nan",)
-# What the layout unpacks, by its types: compiled code computes with plain floats then.
+# The types that the layout unpacks: with them compiled code computes with plain floats.
 # fmt: off
 _Row: TypeAlias = tuple[
     bytes, float, float, float, float, float, float,
@@ -31,8 +31,8 @@ _Row: TypeAlias = tuple[
     int, int, int, int, int, int, int, int, int, bytes, bytes,
 ]
 # fmt: on
-_LEAST, _MOST = 900, 2100  # us: beyond, a thruster's width is no PWM (1000..2000), but garbage
-_THRUSTERS, _NEUTRAL = 5, 0.02  # of the widths: the first; share of full thrust
+_LEAST, _MOST = 900, 2100  # us: outside, a thruster's width is garbage and no PWM (1000..2000)
+_THRUSTERS, _NEUTRAL = 5, 0.02  # thrusters are the first five widths; share of full thrust
 _FRACTIONS = tuple((width - 1500) / 500 if width else 0.0 for width in range(3000))
 _SHARES = tuple(
     share if _LEAST <= width <= _MOST or not width else None
@@ -41,8 +41,9 @@ _SHARES = tuple(
 
 
 def fractions_of(widths: Sequence[int]) -> tuple[float, ...] | None:
-    """Shares of full thrust or travel. No pulse (0 us) is neutral. A thruster's width that is no
-    PWM tells nothing: it hides none that is on, and where no other is, nothing is known of any."""
+    """Return widths, us, as shares of full thrust or travel; no pulse (0 us) is neutral. If a
+    thruster's width is garbage it counts as neutral while another thruster is on; else the state
+    of all is unknown: None."""
     garbage = [w and not _LEAST <= w <= _MOST for w in widths[:_THRUSTERS]]
     if not any(garbage):
         return tuple((width - 1500) / 500 if width else 0.0 for width in widths)
@@ -54,7 +55,7 @@ def fractions_of(widths: Sequence[int]) -> tuple[float, ...] | None:
 def sd_reader(
     layout: struct.Struct, control_scale: float, power_scale: float
 ) -> Callable[[bytes, int, int, int, float], Stretch]:
-    """A ``Shortcut.read``; ``layout`` is that of the frame's table, the scales are volts per count
+    """Return a ``Shortcut.read``. ``layout``: that of the frame's table. Scales: volts per count
     of the batteries."""
     unpack: Callable[[bytes, int], _Row] = layout.unpack_from
     agrees = stm32_checker(80)
@@ -94,7 +95,7 @@ def sd_reader(
                 break
             if None in actuators:
                 break
-            echo = altitude == altitude  # none: every second frame, maybe
+            echo = altitude == altitude  # NaN: no echo, perhaps in every second frame
             # fmt: off
             magnetic = (fx * 1e-6, fy * 1e-6, fz * 1e-6, lx * 1e-6, ly * 1e-6, lz * 1e-6,
                         rx * 1e-6, ry * 1e-6, rz * 1e-6)

@@ -1,14 +1,15 @@
-"""The stick of document 000 (table 1.2.2) on vehicles whose documents have no M: efforts instead.
+"""The stick of document 000 (table 1.2.2) for vehicles whose documents have no M: it sets efforts.
 
     @MMF6$ @MMB6$   surge  6/12 of the stick's share, ahead or back; ends a turn
-    @MRL3$ @MRR3$   turn   3/5, to port or starboard; ends the way on, as the AUV's mains would
-    @MMU6$ @MMD6$   heave  6/12, up or down; surge and turn go on
-    @MT @MD @MS @MP, and what leans   none: there is no thruster, rudder or angle to be told so
+    @MRL3$ @MRR3$   turn   3/5, to port or starboard; ends surge, as the AUV's main thrusters would
+    @MMU6$ @MMD6$   heave  6/12, up or down; surge and turn continue
+    @MT @MD @MS @MP, and leans by @MR   refused: there is no such thruster, rudder or angle
 
 ``stick_surge``, ``stick_turn`` and ``stick_heave`` of the ``wire`` table are the share of the full
-effort at the stick's end. A vehicle without such a key has no such axis.
+effort at the stick's full deflection. A vehicle without such a key has no such axis.
 
-What does not live here: when a stick may be taken, and when it counts as let go (runtime, engine).
+What does not live here: when an operator may take over with the stick, and when it counts as
+released (runtime, engine).
 """
 
 from __future__ import annotations
@@ -41,13 +42,14 @@ _NONE = {
 
 
 def stick_keys(*axes: str) -> tuple[Key, ...]:
-    """Of a vehicle that has these of surge, turn and heave."""
+    """Return the stick's keys for a vehicle with these of surge, turn and heave."""
     what = "share of the full effort at the stick's end"
     return tuple(Key(f"stick_{axis}", 1, 0.05, 1, f"{axis}: {what}", whole=False) for axis in axes)
 
 
 def steered(held: Setpoint, word: bytes, wire: Wire) -> Setpoint:
-    """What the vehicle is asked for when this word comes upon ``held``. Raises CannotEncode."""
+    """Return the setpoint after the M command ``word``, where ``held`` is the one before. Raises
+    CannotEncode."""
     kind = word[1:3].decode("ascii", "replace")
     found = _WORD.fullmatch(word)
     if found is None and not kind.startswith("M"):

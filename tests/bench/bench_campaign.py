@@ -5,6 +5,9 @@
 By hand: each process flies its half when a line comes, and says when it has. All processes are there
 and warm before a clock runs; a job is some seconds of flight. The three take turns, because two
 cores of a machine that others use do not always give twice one; the best time of each counts.
+
+Then empty jobs on the cluster: the processor time of scheduler and command for each, which bounds how
+many jobs a second they can hand out. It hardly depends on what else the machine does.
 """
 
 from __future__ import annotations
@@ -33,6 +36,7 @@ from mission.verification.workers.outcome import had  # noqa: E402
 from mission.verification.workers.places import Place, place  # noqa: E402
 
 JOBS, WORKERS, ROUNDS = 8, 2, 5
+EMPTY = 2000  # jobs
 MISSION = """mission half-hour vehicle auv
 home 30.2874595 120.1535765
 safety radius 2000 time 60min depth 30
@@ -106,17 +110,19 @@ def at(where: Place) -> Iterator[Turn]:
 
 
 @contextmanager
-def cluster() -> Iterator[Place]:
+def cluster() -> Iterator[tuple[Place, int]]:
+    """The place, and the process of the scheduler."""
     with tempfile.TemporaryDirectory() as folder, ExitStack() as programs:
         file = str(Path(folder) / "scheduler.json")
         calls = [["dask_scheduler", "--host", "127.0.0.1", "--port", "0"]]
         calls += [["dask_worker", "--nthreads", "1", "--local-directory", folder]] * WORKERS
+        begun = []
         for call in calls:
             module = f"distributed.cli.{call[0]}"
             more = ["--scheduler-file", file, "--no-dashboard"]
-            program = _program("-m", module, *call[1:], *more)
-            programs.callback(_end, program)
-        yield place(f"dask://{_address(Path(file))}")
+            begun.append(_program("-m", module, *call[1:], *more))
+            programs.callback(_end, begun[-1])
+        yield place(f"dask://{_address(Path(file))}"), begun[0].pid
 
 
 def _address(file: Path) -> str:
@@ -139,19 +145,39 @@ def _end(program: subprocess.Popen[bytes]) -> None:
     program.wait()
 
 
+def per_job(far: Place, scheduler: int) -> tuple[float, float]:
+    """ms of the processor that scheduler and this process take for a job."""
+    with working(abs, far) as batch:
+        list(batch(range(WORKERS)))
+        before, own = _used(scheduler), time.process_time()
+        list(batch(range(EMPTY)))
+        taken = _used(scheduler) - before, time.process_time() - own
+    return taken[0] * 1e3 / EMPTY, taken[1] * 1e3 / EMPTY
+
+
+def _used(pid: int) -> float:
+    """s of the processor."""
+    fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+
 def main(rounds: int = ROUNDS) -> dict[str, float]:
     say = sys.stdout.write
     processes = place("processes", WORKERS)
-    with cluster() as far, by_hand() as hand, at(processes) as pool, at(far) as dask:
+    with ExitStack() as all_of_it:
+        far, scheduler = all_of_it.enter_context(cluster())
+        hand, pool, dask = map(all_of_it.enter_context, (by_hand(), at(processes), at(far)))
         turns = {"by hand": hand, "pool": pool, "dask": dask}
         times: dict[str, list[float]] = {name: [] for name in turns}
         for _ in range(rounds):
             for name, turn in turns.items():
                 times[name].append(turn())
+        each = per_job(far, scheduler)
     best = {name: min(found) for name, found in times.items()}
     for name, found in times.items():
         told = ", ".join(f"{t:.2f}" for t in found)
         say(f"{name:8}: {best[name]:6.2f} s ({100 * best['by hand'] / best[name]:.1f} %); {told}\n")
+    say(f"an empty job: {each[0]:.2f} ms of the scheduler, {each[1]:.2f} ms of the command\n")
     return {name: 100.0 * best["by hand"] / best[name] for name in ("pool", "dask")}
 
 

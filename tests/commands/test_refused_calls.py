@@ -188,3 +188,28 @@ def test_the_help_of_serve_and_nodes_says_what_can_be_said() -> None:
     )
     assert "tcp-listen://127.0.0.1:4000" in serve
     assert "the Pi is shown, too, and never closed" in nodes
+
+
+# --- where jobs are done ---------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("call", "why"),
+    [
+        ("faults --soak 1 --on local", "--soak flies here and keeps nothing: leave out --on, or"),
+        ("faults --soak 1 --workers 2 --resume x", "leave out --workers, --resume, or say --soaks"),
+        ("faults --flight 1 --on dask://127.0.0.1:1", "--flight flies here and keeps nothing"),
+        ("faults --flight 1 --patience 3", "leave out --patience"),
+        ("faults --on local --workers 8", "none with --on local"),
+        ("campaign --on dask://127.0.0.1:1 --workers 8", "none with --on dask://127.0.0.1:1"),
+        ("rehearse first-dive --on local --patience 5", "there is none with --on local"),
+        ("campaign --generated 1 --show --resume x", "--show flies nothing: leave out --resume"),
+        ("campaign --show", "say --generated NUMBER"),
+        ("faults --report x", "--report needs --flight"),
+        ("faults --search --flight 1", "--flight and --search are kinds of flights: say one"),
+        ("faults --soak 1 --broken all", "--broken and --soak are kinds of flights: say one"),
+        ("faults --calm --search", "--calm and --search are kinds of flights: say one"),
+    ],
+)
+def test_an_option_that_would_be_ignored_is_refused(call: str, why: str) -> None:
+    assert why in " ".join(refused(*call.split()).stderr.split())

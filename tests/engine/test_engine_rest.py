@@ -254,6 +254,19 @@ def test_what_holds_it_up_is_said_again_behind_a_line_that_was_away():
     assert world.commands()[said:] == [UPWARD]
 
 
+@pytest.mark.parametrize("answer", [None, Result.ACCEPTED])
+def test_a_stop_is_said_again_behind_a_line_that_was_away_whether_it_was_answered_or_not(
+    answer: Result | None,
+):
+    """As flight 42 of seed 11530: a late answer came 52 ms after the line, before the next try."""
+    world = at_rest(IDLE_READY)
+    world.answer = answer
+    world.tell(X)
+    said = len(world.actions)
+    world.tell(LineOpened())
+    assert world.commands()[said:] == [Order.STOP]
+
+
 def test_what_holds_it_up_is_said_again_while_reports_show_it_off():
     """By two reports each time: one may have left before it was heard."""
     world = held_up()

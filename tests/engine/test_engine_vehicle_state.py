@@ -9,7 +9,7 @@ import pytest
 from engine_world import HOME, NEUTRAL, Frame, Navigation
 
 from mission.engine.vehicle_state import SURFACE_DEPTH, VehicleState
-from mission.model import Health, Local, NavigationMode, Position
+from mission.model import Health, Local, NavigationMode, Position, Vertical
 from mission.navigation.fixes import FIX_DEPTH, metres
 from protocol.messages import Fix, Order, Setpoint, Telemetry
 
@@ -90,6 +90,38 @@ def test_a_depth_whose_zero_is_contradicted_still_tells_whether_it_moves():
     told(vehicle_state, 3.0, depth=7.5)
     assert (vehicle_state.depth, vehicle_state.moving_depth) == (None, 7.5)
     assert not vehicle_state.surfaced(0.0)
+
+
+@pytest.mark.parametrize(
+    ("rolls", "counts"),
+    [
+        ((0.0, 0.0, 0.0), True),
+        ((50.0, 51.0, 52.0), True),
+        ((70.0, 71.0), True),
+        ((70.0, 71.0, 72.0), False),
+        ((100.0, 101.0, 102.0), False),
+        ((170.0, 171.0, 172.0), False),
+        ((100.0, 100.0, 100.0), True),  # it repeats itself
+        ((100.0, 101.0, 102.0, 3.0), True),
+    ],
+)
+def test_a_push_of_verticals_that_lie_sideways_is_held_against_no_depth(
+    rolls: tuple[float, ...], counts: bool
+):
+    """As flight 8508 of seed 11833: on its side at the surface, and a board that dives."""
+
+    class Pushed(Navigation):
+        push: Vertical | None = None
+
+        def telemetry(self, report: Telemetry, push: Vertical) -> None:
+            super().telemetry(report, push)
+            self.push = push
+
+    navigation, down = Pushed(), (0.0, 0.0, -1.0, -1.0, -1.0)
+    vehicle_state = VehicleState(navigation)
+    for i, roll in enumerate(rolls):
+        told(vehicle_state, 1.0 + 2.0 * i, roll=math.radians(roll), pitch=0.01, actuators=down)
+    assert navigation.push == (Vertical(1.0, None) if counts else Vertical(None, None))
 
 
 # --- before navigation is there ----------------------------------------------------------------

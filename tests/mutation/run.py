@@ -2,6 +2,7 @@
 
     python tests/mutation/run.py mission/engine/machine.py tests/engine/test_machine.py ... [--seconds N]
     python tests/mutation/run.py mission/engine/machine.py tests/engine/test_machine.py ... --only 3,17
+    python tests/mutation/run.py ... --on processes|dask://HOST:PORT [--workers N] [--resume FILE]
 
 The tests are collected once; each mutant is a fork of that process in which the functions get the
 bodies of the mutated tree, so no file is ever changed. What stands outside of functions, or within
@@ -38,6 +39,7 @@ from _pytest.runner import runtestprotocol
 from hypothesis import settings
 
 LIMIT_S = 120  # of one mutant's tests: beyond, it hangs, which was noticed
+PATIENCE_S = 3600.0  # of a part of the mutants, on another worker
 _HEAVY = (*("hypothesis.stateful", "numpy", "transitions.extensions", "lark", "yaml"),)
 _OPTIONS = (
     "-x",
@@ -256,14 +258,48 @@ def tell(line: str) -> None:
     sys.stdout.flush()
 
 
-def main() -> int:
+def _given() -> argparse.Namespace:
     asked = argparse.ArgumentParser()
     asked.add_argument("module", type=Path)
     asked.add_argument("tests", nargs="+")
     asked.add_argument("--seconds", type=float, default=math.inf)
     asked.add_argument("--only", type=lambda t: [int(n) for n in t.split(",")])
     asked.add_argument("--fresh", action="store_true")
+    asked.add_argument("--on", default="local")
+    asked.add_argument("--workers", type=int)
+    asked.add_argument("--resume", type=Path)
     given = asked.parse_args()
+    if given.on == "local" and (given.workers or given.resume):
+        asked.error("--workers and --resume are of mutants that are tried elsewhere: say --on")
+    return given
+
+
+def _elsewhere(given: argparse.Namespace, chosen: list[int], most: int, until: float) -> int:
+    """Tell what the workers found. The exit code is 1 if some mutants could not be tried."""
+    from spread import spread
+
+    from mission.verification.workers.kept import Unusable
+    from mission.verification.workers.outcome import Unreachable
+    from mission.verification.workers.places import place
+
+    call = (str(given.module), *given.tests, *(["--fresh"] if given.fresh else []))
+    noticed = tried = 0
+    try:
+        at = place(given.on, given.workers, PATIENCE_S)
+        for one in spread(call, chosen, at, until, given.resume):
+            if isinstance(one, str):
+                tell(one)
+            else:
+                noticed, tried = noticed + one[0], tried + one[1]
+    except (Unusable, Unreachable, ValueError) as error:
+        tell(str(error))
+        return 2
+    tell(f"{given.module}: {noticed} of {tried} noticed, {most} mutants in all")
+    return 0 if tried == len(chosen) or time.monotonic() > until else 1
+
+
+def main() -> int:
+    given = _given()
     path, tests, until = given.module, given.tests, time.monotonic() + given.seconds
     sys.path[:0] = [str(Path.cwd()), str(Path.cwd() / "tests" / "worlds")]
     for heavy in _HEAVY:
@@ -273,6 +309,8 @@ def main() -> int:
     source = path.read_text(encoding="utf-8")
     every = list(mutants(source))
     chosen = [m for m in every if given.only is None or m.number in given.only]
+    if given.on != "local":
+        return _elsewhere(given, [m.number for m in chosen], len(every), until)
     inside = [] if given.fresh else [m for m in chosen if m.inside]
     outside = [m for m in chosen if m not in inside]
     tried = survived = 0

@@ -256,9 +256,10 @@ def test_a_compiled_flight_with_faults_records_the_same_bytes(number: int, tmp_p
 
 
 CELLS = """
+from mission.authoring.prepare import prepare
 from mission.model.shipped import missions_folder
 from mission.verification.exhaustive.run import examine_ground, ground
-found = examine_ground(ground(missions_folder() / "first-dive.yaml", "as-built"), {every})
+found = examine_ground(ground(prepare(missions_folder() / "first-dive.yaml"), "as-built"), {every})
 print(found.as_json(), sorted(found.asked.items()))
 """
 

@@ -123,6 +123,25 @@ def test_every_try_names_its_reason(line: Line) -> None:
     assert line.sent[1].reason == "enter rows/out (try 2 of 3)"
 
 
+def test_words_that_come_together_leave_as_one_and_hold_no_ascent_back(line: Line) -> None:
+    """As flight 16418 of seed 11530, and as a radio gives them that was away for a minute."""
+    line.give(Order.STOP, 0.0)
+    for i in range(60):
+        line.give(Order.SURFACE, 0.001 + i * 1e-5, "W from the operator")
+    line.until(2.0)
+    assert line.frames == [b"@ZAX0$", *[b"@ZAWF$"] * TRIES]
+    line.give(LEG, 2.0, "the way in use")
+    assert line.frames[-1] == b"@ZAF6$"
+
+
+def test_a_way_in_use_leaves_behind_the_word_of_the_same_decision(line: Line) -> None:
+    for _ in range(2):
+        line.seat.command(Action(Order.SURFACE, "W from the operator"))
+        line.seat.command(Action(Order.STOP, "W from the operator"))
+    line.until(2.0)
+    assert line.frames == [*[b"@ZAWF$"] * TRIES, *[b"@ZAX0$"] * TRIES]
+
+
 def test_refusal_is_reported_and_not_tried_again(line: Line) -> None:
     line.give(NEXT, 0.0)
     line.answer(0.01, result=REFUSE)

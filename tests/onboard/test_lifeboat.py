@@ -80,6 +80,14 @@ def test_six_seconds_of_shallow_depth_are_the_surface_and_five_are_not() -> None
     assert climb.words(6.0) == (X,)
 
 
+@pytest.mark.parametrize(("offset", "up"), [(-0.9, False), (-0.7, True)])
+def test_a_depth_far_above_the_water_is_no_surface(offset: float, up: bool) -> None:
+    climb = Climb(Plan(), -1.0)
+    for i in range(8):
+        climb.hear(offset + 0.01 * i, float(i))
+    assert (climb.words(8.0) == (X,)) is up
+
+
 def test_for_the_last_way_up_a_depth_that_never_changes_is_no_surface() -> None:
     """Nobody saw it before: it may have got stuck there."""
     climb = Climb(Plan(), 0.0)

@@ -13,6 +13,7 @@ import pytest
 from click.testing import CliRunner
 
 from links.base import Rx
+from mission.authoring.prepare import prepare
 from mission.cli import main
 from mission.engine import core, ending, orders, run, vehicle_state
 from mission.engine.ascent import Ascent
@@ -55,7 +56,7 @@ samples = pytest.mark.xdist_group("samples")  # judged once, by the worker of th
 
 @pytest.fixture(scope="module")
 def survey() -> Ground:
-    return ground(MISSIONS / "harbour-survey.yaml", "as-built")
+    return ground(prepare(MISSIONS / "harbour-survey.yaml"), "as-built")
 
 
 @pytest.fixture(scope="module")
@@ -71,7 +72,7 @@ def test_no_cell_of_a_sample_breaks_a_law(sample: Found) -> None:
 
 
 def test_the_other_profile_and_mission_neither() -> None:
-    found = examine_ground(ground(MISSIONS / "bottom-following.yaml", "documented"), 17)
+    found = examine_ground(ground(prepare(MISSIONS / "bottom-following.yaml"), "documented"), 17)
     assert found.violations == []
 
 
@@ -87,7 +88,7 @@ def kept_clear(tmp_path_factory: pytest.TempPathFactory) -> Ground:
         "on:\n  - {when: battery < 11 V, held: 10 s, do: up}\n",
         encoding="utf-8",
     )
-    return ground(path, "as-built")
+    return ground(prepare(path), "as-built")
 
 
 @pytest.fixture(scope="module")
@@ -126,7 +127,9 @@ def test_every_leg_in_its_first_and_last_round_is_there(survey: Ground) -> None:
 
 @pytest.mark.parametrize("mission", ["lawnmower", "transect", "loiter"])
 def test_no_leg_is_at_its_end_where_a_proof_begins(mission: str) -> None:
-    for configuration, world in configurations(ground(MISSIONS / f"{mission}.yaml", "as-built")):
+    for configuration, world in configurations(
+        ground(prepare(MISSIONS / f"{mission}.yaml"), "as-built")
+    ):
         if configuration.region == "autonomous" and configuration.quiet:
             world.wait(3.0)  # the next report, and an estimate from it
             assert world.state == configuration.leaf, configuration.name
@@ -649,7 +652,7 @@ def test_a_set_of_the_same_instant_that_left_before_the_order_is_not_of_its_stat
     """Told to end in the instant of a report after which a leg steers."""
     from mission.verification.exhaustive.run import _judged, _played
 
-    on = ground(MISSIONS / "bottom-following.yaml", "as-built")
+    on = ground(prepare(MISSIONS / "bottom-following.yaml"), "as-built")
     name = "autonomous/home_run , handlers acted, quiet"
     configuration, world = next((c, w) for c, w in configurations(on) if c.name == name)
     fork = Fork(world)

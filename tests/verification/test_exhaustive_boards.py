@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import pytest
 
+from mission.authoring.prepare import prepare
 from mission.engine.limits import LIMITS
 from mission.engine.monitor import LimitMonitor
 from mission.model import Position
@@ -138,7 +139,7 @@ def test_events_of_the_auv_are_all_but_the_leak() -> None:
 
 @pytest.fixture(scope="module", params=MISSIONS)
 def at(request: pytest.FixtureRequest) -> Ground:
-    return ground(shipped_missions()[MISSIONS[request.param]], "documented")
+    return ground(prepare(shipped_missions()[MISSIONS[request.param]]), "documented")
 
 
 @pytest.mark.proof
@@ -150,7 +151,9 @@ def test_no_cell_of_a_sample_breaks_a_law(at: Ground) -> None:
 
 @pytest.fixture(scope="module")
 def grounds() -> dict[str, Ground]:
-    return {name: ground(shipped_missions()[m], "documented") for name, m in MISSIONS.items()}
+    return {
+        name: ground(prepare(shipped_missions()[m]), "documented") for name, m in MISSIONS.items()
+    }
 
 
 Break = Callable[[pytest.MonkeyPatch], None]

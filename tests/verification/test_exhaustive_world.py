@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+from mission.authoring.prepare import prepare
 from mission.model.copies import held
 from mission.model.shipped import missions_folder
 from mission.verification.exhaustive.configurations import configurations, ground
@@ -14,7 +15,7 @@ from mission.verification.exhaustive.world import World
 @pytest.fixture(scope="module")
 def world() -> World:
     """That of a configuration, some seconds old."""
-    on = ground(missions_folder() / "first-dive.yaml", "as-built")
+    on = ground(prepare(missions_folder() / "first-dive.yaml"), "as-built")
     _, found = next(configurations(on))
     assert found.now > 1.0
     return found

@@ -8,6 +8,7 @@ from collections.abc import Iterator
 import pytest
 from contracts import keep
 
+from mission.authoring.prepare import prepare
 from mission.model.shipped import missions_folder
 from mission.verification.campaign.draw import stage
 from mission.verification.campaign.faults import Totals, fly_plan, result_of
@@ -55,7 +56,7 @@ def test_every_cell_is_asked_and_one_that_breaks_it_is_told(
 ) -> None:
     few = tuple(event for name, event in EVENTS.items() if name in ("X", "ACK Y"))
     monkeypatch.setattr(run, "events_of", lambda line: few)
-    on = ground(missions_folder() / "first-dive.yaml", "as-built")
+    on = ground(prepare(missions_folder() / "first-dive.yaml"), "as-built")
     found = examine_ground(on, every=1000)
     assert found.configurations == 1
     assert found.asked[OF_CELLS.name] == found.broken[OF_CELLS.name] == 1

@@ -27,7 +27,6 @@ from mission.verification.workers.code import code, difference
 from mission.verification.workers.kept import Unusable, keeping
 from mission.verification.workers.outcome import Lost, had
 from mission.verification.workers.places import Place, place
-from mission.verification.workers.progress import with_progress
 
 TWO = place("processes", 2)
 LOCAL = place("local")
@@ -264,10 +263,3 @@ def test_programs_differ_by_how_their_processor_multiplies_matrices() -> None:
 def test_a_place_that_is_none_is_refused(on: str) -> None:
     with pytest.raises(ValueError, match=r"place|HOST:PORT"):
         place(on)
-
-
-def test_progress_tells_rate_and_time_left() -> None:
-    told: list[str] = []
-    assert list(with_progress(range(5), 5, "flights", told.append)) == [*range(5)]
-    assert [line.split(",")[0] for line in told] == ["5 of 5 flights"]
-    assert "a second, 0 s left" in told[-1]

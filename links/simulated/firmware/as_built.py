@@ -1,16 +1,16 @@
-"""Profile `as-built`: the board that exists, with everything that is wrong with it.
+"""Profile `as-built`: the board as it exists, with all its faults.
 
-- One burst is one frame: it begins with ``@``, ends with ``$`` and has at most 99 bytes, or it is
-  lost. Two commands in one burst read as the first one.
-- Numbers are read as C's ``atoi`` does: what is no number is 0. Only upper bounds are checked.
-- Every answer says ``A`` for the code, and may land in the middle of an ``@SD``.
-- One horizontal mode (off, F, B, L, R, H), one vertical mode (off, U, D, S, E), one speed for
-  both. H carries the speed itself (``ZAH-20,4``); without it the speed becomes 0. S and E leave
-  the speed alone and only ever push down, with gear 0..10.
-- ``WF`` starts the verticals upward and leaves the mode as it was: the next control loop goes on
-  as before. ``U12`` does set the upward mode. A does nothing, V is refused.
-- Automatic mode has no dead man; manual mode ends after 600 ms, everything off. In manual mode
-  there is no ``@SD``. Batteries are constants. Rudders are servo 1 or 2.
+- One burst is one frame. It begins with ``@``, ends with ``$`` and has at most 99 bytes; otherwise
+  it is lost. Of two commands in one burst the board executes the first.
+- Numbers are read as C's ``atoi`` does: text that is no number is 0. Only upper bounds are checked.
+- Every answer has ``A`` in place of the code, and may land in the middle of an ``@SD``.
+- There is one horizontal mode (off, F, B, L, R, H), one vertical mode (off, U, D, S, E), and one
+  speed for both. H carries the speed itself (``ZAH-20,4``); without it the speed becomes 0. S and E
+  do not change the speed and only push down, with gear 0..10.
+- ``WF`` turns the verticals upward but does not change the mode: the next control loop continues as
+  before. ``U12`` does set the upward mode. A does nothing, V is refused.
+- Automatic mode has no dead-man timeout. Manual mode ends after 600 ms with everything off. In
+  manual mode there is no ``@SD``. Batteries are constants. Rudders are servo 1 or 2.
 
 What does not live here: what both profiles share (stm32.py).
 """
@@ -34,9 +34,9 @@ from links.simulated.firmware.stm32 import (
 from links.simulated.plant import Plant
 from links.simulated.sensors import Sensors
 
-BURST_MAX = 99  # bytes, of the receive buffer
+BURST_MAX = 99  # bytes in the receive buffer
 PUSH_MAX = 10.0  # gears downward in depth and altitude hold
-SPLICE = 0.5  # chance that an answer due during an @SD lands inside it
+SPLICE = 0.5  # probability that an answer due during an @SD lands inside it
 _MANUAL = Mode.MANUAL
 _RI_RADIO = 1 << 6  # in this build the radio is bit 6, and bit 4 a manipulator that is off
 
@@ -61,7 +61,7 @@ class Vertical(enum.Enum):
     ALTITUDE = "E"
 
 
-_SIGNS = {  # of the left and the right main thruster
+_SIGNS = {  # left and right main thruster
     Horizontal.OFF: (0, 0),
     Horizontal.AHEAD: (1, 1),
     Horizontal.ASTERN: (-1, -1),
@@ -147,7 +147,7 @@ class AsBuilt(Stm32):
     def _surface(self, parameter: str) -> bool:
         if parameter[:1] != "F":
             return False
-        up = pwm_of(GEAR_MAX)  # until the control loop comes round again: the mode is what it was
+        up = pwm_of(GEAR_MAX)  # until the next control loop: the mode is unchanged
         left, right, _, _, _, servo_left, servo_right = self.pwm
         self.pwm = (left, right, up, up, up, servo_left, servo_right)
         return True
@@ -167,7 +167,7 @@ class AsBuilt(Stm32):
         self.pwm = level_pwm(left, right, self._vertical_gear(plant), self.servo_pwm)
 
     def _vertical_gear(self, plant: Plant) -> float:
-        """Up positive."""
+        """Gear, up positive."""
         vertical = self.vertical
         if vertical is Vertical.OFF:
             return 0.0
@@ -203,7 +203,7 @@ class AsBuilt(Stm32):
             self.move_servo((int(pair[1]) - 1,), int(pair[2]), add=parameter[0] == "A")
 
     def mask(self) -> int:
-        """The letters of the last ``@RS`` as they are, so that it can be ``$`` or 0."""
+        """The switches of the last ``@RS``, unescaped: the byte can be ``$`` or 0."""
         bits = (0, 1, 2, 3, None, 5, None)
         mask = _RI_RADIO if self.power[4] else 0
         for bit, on in zip(bits, self.power, strict=True):

@@ -1,14 +1,14 @@
-"""The boards of documents 002, 003 and 004: they hear frames and report, unasked.
+"""The boards of documents 002, 003 and 004. They receive frames and send reports unasked.
 
     core board   002  62 bytes in (six forces, one closed loop), 90 bytes out at 10 Hz
     ROV          003  30 bytes in (three efforts, two hold flags), 71 bytes out at 20 Hz
     robot        004  12 bytes in (one command), 7 bytes out at 10 Hz
 
-All at 115200 8N1. A board that hears no good frame for its time of silence (R16, R17) goes neutral,
-out of its closed loop too. Frames that are wrong in any way are not heard.
+All use 115200 8N1. A board that receives no good frame for its timeout (R16, R17) goes neutral and
+leaves its closed loop. It ignores frames with any error.
 
 What does not live here: the water (plant.py), the ground (ground.py), time and links (boards.py one
-room up), the STM32 of the AUV (stm32.py).
+package up), the STM32 of the AUV (stm32.py).
 """
 
 from __future__ import annotations
@@ -31,32 +31,32 @@ from protocol.tolerances import Tolerances
 from protocol.vehicles import coreboard, robot, robot_outputs, rov
 from protocol.vehicles.keys import Wire
 
-ANTENNA = 0.3  # m: deeper, and the INS has no GPS to be aligned by
-ALIGNS = 3.0  # s after it was switched on (assumed)
+ANTENNA = 0.3  # m: deeper, the INS has no GPS to align with
+ALIGNS = 3.0  # s from switching the INS on until it is aligned (assumed)
 DEPTH, _ANGLE, _HEADING, PLACE = 0.03, radians(0.3), radians(0.5), 2.0  # one sigma, m and rad
-WILD = 0.0, 60.0  # m: of a depth that is anywhere
+WILD = 0.0, 60.0  # m: range of wild depths
 CONTROL_V, POWER_V = 24.0, 48.0
 _FULL_RPM = 1000.0
 
-FULL_J, FLAT = 1.0e6, 0.8  # what its battery holds, and the share of its voltage when it is empty
+FULL_J, FLAT = 1.0e6, 0.8  # energy of a full battery; share of its voltage when it is empty
 Place = tuple[float, float]  # latitude and longitude, rad
 
 
 @dataclass(slots=True)
 class Troubles:
-    """What is wrong with a board (board_faults); 0: nothing."""
+    """The faults in force on a board (board_faults); 0: none."""
 
-    silent: float = 0.0  # it says nothing
-    deaf: float = 0.0  # it hears nothing
-    corrupt: float = 0.0  # share of its frames with a bit turned over
+    silent: float = 0.0  # it sends nothing
+    deaf: float = 0.0  # it receives nothing
+    corrupt: float = 0.0  # share of its frames with a flipped bit
     depth_frozen: float = 0.0
-    wild: float = 0.0  # share of the depths that are anywhere
-    slow: float = 0.0  # s for which its sensors say the same
-    volts: float = 0.0  # of its control battery, whatever that has
+    wild: float = 0.0  # share of random depths
+    slow: float = 0.0  # s for which its sensors repeat one reading
+    volts: float = 0.0  # V that its control battery reports, whatever the truth
     leak: float = 0.0  # water inside
 
 
-# An open frame of 25 kg: as wide as it is long, nothing that steers, slow and stiff.
+# An open frame of 25 kg, as wide as it is long: no fins, slow and stiff.
 ROV = Body(
     mass_u=45.0,
     mass_v=60.0,
@@ -82,14 +82,14 @@ ROV = Body(
 
 
 class Board(ABC):
-    """``period`` is that of its reports, ``silence`` what it bears without a command, in s."""
+    """A board. ``period``: s between reports; ``silence``: s without a command until neutral."""
 
     hears: LinkRow
     period: float
     silence: float
 
     def __init__(self, rng: Random, tolerances: Tolerances, wire: Wire) -> None:
-        """``tolerances`` and ``wire``: how this board was built, as a vehicle file says it."""
+        """``tolerances`` and ``wire``: how this board was built, as in a vehicle file."""
         self.rng, self.tolerances, self.wire = rng, tolerances, wire
         self.heard = -inf
         self.troubles = Troubles()
@@ -108,7 +108,7 @@ class Board(ABC):
         return now - self.heard <= self.silence
 
     def volts(self, full: float) -> float:
-        """Of a battery that has ``full`` V when it is, and falls as it is used."""
+        """Voltage of a battery with ``full`` V when full; it falls with use."""
         left = max(1.0 - self.used / FULL_J, 0.0)
         return full * (FLAT + (1.0 - FLAT) * left)
 
@@ -117,28 +117,28 @@ class Board(ABC):
 
     @abstractmethod
     def take(self, values: Mapping[str, Any]) -> None:
-        """A good frame."""
+        """Take the values of a good frame."""
 
 
 class WaterBoard(Board):
-    """A board whose thrusters are those of the plant, in a ``body`` of its own."""
+    """A board that drives the thrusters of a plant, with a ``body`` of its own."""
 
     body = Body()
     waves: Waves | None = None
-    air = 0.0  # m: what the air's pressure adds to its depths
-    _depth: float | None = None  # that it told last
-    _posed: tuple[float, tuple[float, float, float, float]] | None = None  # when, s, and what
+    air = 0.0  # m: depth offset from air pressure
+    _depth: float | None = None  # the last reported one
+    _posed: tuple[float, tuple[float, float, float, float]] | None = None  # time, s, and reading
 
     @abstractmethod
     def control(self, plant: Plant, now: float) -> tuple[int, ...]:
-        """The seven PWMs from now on."""
+        """Return the seven PWMs from now on."""
 
     @abstractmethod
     def report(self, plant: Plant, place: Place, now: float) -> bytes: ...
 
     def _pose(self, plant: Plant, now: float) -> tuple[float, float, float, float]:
-        """Roll, pitch, yaw in deg and depth in m, as its sensors have them: what they said last
-        where they are slower than its reports."""
+        """Roll, pitch, yaw in deg and depth in m by its sensors: the last reading again while they
+        are slower than its reports."""
         slow = self.troubles.slow
         if self._posed is None or not slow or now >= self._posed[0] + slow:
             self._posed = now, self._pose_now(plant, now)
@@ -161,13 +161,13 @@ class WaterBoard(Board):
 
 
 def pwms(surge: float, turn: float, up: float) -> tuple[int, ...]:
-    """Gears, turn to starboard positive; the rudders in the middle."""
+    """PWMs from gears: ``turn`` positive to starboard, ``up`` upward; rudders in the middle."""
     return level_pwm(surge + turn, surge - turn, up, (NEUTRAL_PWM, NEUTRAL_PWM))
 
 
 class CoreBoard(WaterBoard):
-    """Closed loop: heading and depth are held by the board, surge stays open (002 table 3-2). The
-    INS has no power until a frame gives it (byte 43)."""
+    """In closed loop the board holds heading and depth; surge stays open loop (002 table 3-2). The
+    INS has no power until a frame switches it on (byte 43)."""
 
     hears = coreboard.LINKS[2]
     period = 0.1
@@ -176,7 +176,7 @@ class CoreBoard(WaterBoard):
     def __init__(self, rng: Random, tolerances: Tolerances, wire: Wire) -> None:
         super().__init__(rng, tolerances, wire)
         self.values: Mapping[str, Any] = coreboard.NEUTRAL
-        self.powered = inf  # since when its INS is; the switch stays as it was told last
+        self.powered = inf  # since when the INS has power; the switch keeps its last state
         self._report = coreboard.main_to_pc(tolerances)
 
     def take(self, values: Mapping[str, Any]) -> None:
@@ -221,14 +221,14 @@ class CoreBoard(WaterBoard):
         return self._report.encode(values)
 
     def _leak(self) -> int:
-        """As it was built: which digit means dry."""
+        """The leak byte, with the digit for dry that this board was built with."""
         wet = int(self.tolerances["leak002"])
         return wet if self.troubles.leak else 1 - wet
 
 
 class RovBoard(WaterBoard):
-    """The flags hold the heading and the depth of the moment at which they are set. Four thrusters:
-    the third vertical of the plant stands still."""
+    """The flags hold the heading and depth of the moment at which they are set. It has four
+    thrusters: the third vertical of the plant stands still."""
 
     body = ROV
     hears = rov.LINKS[0]
@@ -286,7 +286,7 @@ class RovBoard(WaterBoard):
 
 
 _HALF = sqrt(0.5)
-WAYS = {  # of a command: shares of its speed ahead, to starboard, round to starboard
+WAYS = {  # by command: shares of its speed ahead, to starboard, turning to starboard
     robot.FORWARD: (1.0, 0.0, 0.0),
     robot.BACK: (-1.0, 0.0, 0.0),
     3: (_HALF, _HALF, 0.0),
@@ -301,7 +301,7 @@ WAYS = {  # of a command: shares of its speed ahead, to starboard, round to star
 
 
 class RobotBoard(Board):
-    """One motion at a time, at the speed that was last set; the handshake is answered at once."""
+    """One motion at a time, at the last set speed. It answers a handshake at once."""
 
     hears = robot.LINKS[0]
     period = 0.1
@@ -310,7 +310,7 @@ class RobotBoard(Board):
     def __init__(self, rng: Random, tolerances: Tolerances, wire: Wire) -> None:
         super().__init__(rng, tolerances, wire)
         self.motion, self.speed = robot.STOP, 0.0  # mm/s
-        self.asked = False  # by a handshake, for one report
+        self.asked = False  # a handshake asks for one report
         self._report = robot.up(tolerances)
 
     def take(self, values: Mapping[str, Any]) -> None:
@@ -325,8 +325,8 @@ class RobotBoard(Board):
             self.motion = command
 
     def control(self, ground: Ground, now: float) -> tuple[float, float, float]:
-        """m/s ahead and to starboard, rad/s to starboard: a wheel's speed on the spot turns by its
-        lever. "Right up" is half ahead, half to the right."""
+        """Return m/s ahead and to starboard, rad/s to starboard. On the spot, the turn rate is the
+        wheel speed over the lever. "Right up" is half ahead, half to the right."""
         speed = self.speed / 1000.0 if self.awake(now) else 0.0
         ahead, aside, spin = WAYS.get(self.motion, (0.0, 0.0, 0.0))
         return ahead * speed, aside * speed, spin * speed / ground.lever

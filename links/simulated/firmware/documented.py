@@ -1,13 +1,13 @@
-"""Profile `documented`: document 000 to the letter, with the N readings of docs/protocol.md.
+"""Profile `documented`: exactly as in document 000, with the N readings of docs/protocol.md.
 
-- Frames are delimited by ``@`` and ``$``, however they are cut into bursts; an ``@`` starts anew,
-  CR LF between frames is ignored, a frame is at most 64 bytes.
-- The words are independent axes: surge (F B), turn or heading (L R H), one of heave, depth and
-  altitude (U D S E), attitude (A). Each keeps its value until a word of its own axis.
-- ``X0`` stops everything; ``WF`` stops the mains and drives upward until another vertical word
+- Frames are delimited by ``@`` and ``$``, however they are split into bursts. An ``@`` starts a new
+  frame. CR LF between frames is ignored. A frame has at most 64 bytes.
+- The commands are independent axes: surge (F B), turn or heading (L R H), one of heave, depth and
+  altitude (U D S E), attitude (A). Each keeps its value until a command of its own axis.
+- ``X0`` stops everything. ``WF`` stops the mains and drives upward until another vertical command
   or ``X0``. Depth and altitude hold drive in both directions.
 - Answers name the code: ``@ACK_ZFY$``; ``N`` for a value out of range, and always for V.
-- ``@SD`` is sent in every mode; there is no dead man; batteries run down.
+- ``@SD`` is sent in every mode. There is no dead-man timeout. Batteries discharge.
 
 What does not live here: what both profiles share (stm32.py).
 """
@@ -35,7 +35,7 @@ _RI_ALWAYS = 0b0010001  # CTD and radio cannot be switched off
 
 
 def integer(text: str, low: int, high: int) -> int | None:
-    """None where it is no integer of the grammar or out of the range."""
+    """The integer; None if it does not fit the grammar or is out of range."""
     if _INTEGER.fullmatch(text) is None:
         return None
     value = int(text)
@@ -141,7 +141,7 @@ class Documented(Stm32):
         self.drive(left, right, vertical - pitch, front + roll, front - roll)
 
     def _vertical_gear(self, plant: Plant) -> float:
-        """Up positive; a sensor that says nothing stops the hold."""
+        """Gear, up positive. A silent sensor (NaN) stops the hold."""
         if self.depth is not None:
             below = self.depth - self.sensors.depth(plant)
         elif self.altitude is not None:
@@ -189,5 +189,5 @@ class Documented(Stm32):
 
 
 def count(volts: float) -> int:
-    """One count is one volt (E-V17); nothing known is 0."""
+    """Counts: one is one volt (E-V17); an unknown voltage is 0."""
     return 0 if isnan(volts) else min(max(round(volts), 0), 0xFFFF)

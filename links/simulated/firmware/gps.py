@@ -1,16 +1,17 @@
-"""A GPS receiver on the Pi's own port: GGA and RMC, once a second, as NMEA 0183.
+"""A GPS receiver on the Pi's own port: NMEA 0183 GGA and RMC once a second.
 
     $GPGGA,hhmmss.00,ddmm.mmmmmm,N,dddmm.mmmmmm,E,1,09,1.0,h.h,M,0.0,M,,*hh
     $GPRMC,hhmmss.00,A,ddmm.mmmmmm,N,dddmm.mmmmmm,E,knots,course,ddmmyy,,,A*hh
 
-A fix needs the antenna out of the water (``ANTENNA``) for some seconds, for one or two where a
-wave has just washed over it; without one the sentences go on with the time alone (quality 0,
-status V). Noise is white; ``fix_wander`` is what the sky adds to it, which stays for minutes, and
-``fix_settle`` what the first fix behind a dive is off by, with few satellites and a large HDOP.
-Both sentences, or the one that the receiver is set to, leave as one piece, ``LATENCY`` after the
-second they belong to, and are through by ``COMPLETE``.
+A fix needs the antenna out of the water (``ANTENNA``) for some seconds; for one or two after a wave
+has just washed over it. Without a fix the sentences continue with the time alone (quality 0, status
+V). Noise is white. ``fix_wander`` adds an error that stays for minutes, ``fix_settle`` an error of
+the first fixes after a dive, which have few satellites and a large HDOP. Both sentences, or the one
+that the receiver is set to, are sent as one piece: the first byte ``LATENCY`` after their second,
+the last one by ``COMPLETE``.
 
-Own formatter: the library's costs ten times as much. What does not live here: the decoder.
+The formatter is our own: the library's takes ten times as long. What does not live here: the
+decoder.
 """
 
 from __future__ import annotations
@@ -25,21 +26,21 @@ from links.simulated.geodesy import moved
 from links.simulated.sensors import SensorErrors
 
 ANTENNA = 0.3  # m, depth of the pressure sensor below which the antenna is under water
-RECENT = 32  # places that it can say again
-WANDER = 0.4  # m a second and axis
-WASHED = 10.0  # s under water at most, behind which it finds its satellites at once
-AT_ONCE = 1.0, 2.0  # s
-SETTLES = 5.0  # s
-CORRELATED = 100.0  # s, of the sky's errors
+RECENT = 32  # positions that it can repeat
+WANDER = 0.4  # m per second and axis
+WASHED = 10.0  # s under water at most after which a fix returns at once
+AT_ONCE = 1.0, 2.0  # s until the fix then
+SETTLES = 5.0  # s, time constant of ``fix_settle``
+CORRELATED = 100.0  # s, time constant of ``fix_wander``
 LATENCY = 0.1  # s from the epoch to the first byte
 COMPLETE = 0.3  # s from the epoch until all has been sent (150 bytes at 9600 take 0.16)
 KNOT = 1852 / 3600
 _TWO = tuple(f"{n:02d}" for n in range(60))
-_SCALE = 60_000_000  # counts of a millionth of a minute in a degree
+_SCALE = 60_000_000  # millionths of a minute in a degree
 
 
 def checksum(body: bytes) -> int:
-    """XOR of all bytes, by folding one large number."""
+    """XOR of all bytes, computed by folding one large number."""
     n = int.from_bytes(body, "little")
     n ^= n >> 512
     n ^= n >> 256
@@ -74,13 +75,13 @@ class GpsReceiver:
         self.start = start.astimezone(UTC)
         self.queue: deque[Chunk] = deque()
         self.powered = True
-        self.blind = False  # no fix, whatever the antenna sees
-        self.silent = False  # no byte
-        self.stuck = False  # its last fix for ever, under water too
-        self.in_turn = 0  # says so many of its last places in turn, under water too
-        self.wanders = False  # goes on under water, with places that it makes up
-        self.corrupt = 0.0  # share of epochs with a bit turned over
-        self.offset = (0.0, 0.0)  # m north and east that fixes are beside the truth
+        self.blind = False  # no fix, even with a clear view of the sky
+        self.silent = False  # sends nothing
+        self.stuck = False  # repeats its last fix, under water too
+        self.in_turn = 0  # repeats so many of its last fixes in turn, under water too
+        self.wanders = False  # makes up plausible positions under water
+        self.corrupt = 0.0  # share of epochs with a flipped bit
+        self.offset = (0.0, 0.0)  # m north and east, added to all fixes
         self._fix_at: float | None = errors.first_fix
         self._seen = -inf  # when its antenna was last out of the water
         self._beside = _Beside(errors, rng)
@@ -94,7 +95,7 @@ class GpsReceiver:
         self._date = ""
 
     def has_fix(self, depth: float, now: float) -> bool:
-        """Keeps account of how long the sky has been in sight."""
+        """Whether there is a fix now. Tracks how long the antenna has been out of the water."""
         if depth > ANTENNA or self.blind or not self.powered:
             self._fix_at = None
             return False
@@ -109,8 +110,8 @@ class GpsReceiver:
     def report(
         self, now: float, depth: float, position: tuple[float, float], velocity: tuple[float, float]
     ) -> None:
-        """The epoch at ``now``: metres of water over the pressure sensor, latitude and longitude,
-        north and east over ground."""
+        """Queue the sentences of the epoch ``now``. ``depth``: water over the pressure sensor, m;
+        ``position``: latitude and longitude, rad; ``velocity``: north and east over ground, m/s."""
         fixed = self.has_fix(depth, now)
         if self.silent or not self.powered:
             return
@@ -134,7 +135,7 @@ class GpsReceiver:
         return self._last if self.stuck else None
 
     def _wandered(self) -> Look:
-        """A step from where it was, and the speed that belongs to it."""
+        """A made-up fix, a step from the one before, with the matching speed."""
         assert self._astray is not None
         step = self.rng.gauss(0.0, WANDER), self.rng.gauss(0.0, WANDER)
         self._astray = moved(*self._astray, *step)
@@ -157,7 +158,7 @@ class GpsReceiver:
     def _look(
         self, position: tuple[float, float], velocity: tuple[float, float], now: float | None = None
     ) -> Look:
-        """Without a time as it makes them up."""
+        """A fix with its errors. Made-up fixes have no ``now``, and no slow errors."""
         gauss, noise, slip = self.rng.gauss, self.errors.fix_noise, self.errors.speed_noise
         beside_north, beside_east = self.offset
         unsettled = 0.0
@@ -175,7 +176,7 @@ class GpsReceiver:
 
 
 class _Beside:
-    """What makes fixes of seconds and minutes err alike."""
+    """The correlated errors of fixes: ``fix_wander`` and ``fix_settle``."""
 
     def __init__(self, errors: SensorErrors, rng: Random) -> None:
         self._rng, self._wander, self._settle = rng, errors.fix_wander, errors.fix_settle
@@ -186,13 +187,13 @@ class _Beside:
         self._renew = self._wander * sqrt(1.0 - self._keep**2)
 
     def begin(self, at: float) -> None:
-        """Behind a dive it is not settled."""
+        """Draw the error of the first fix after a dive, which comes at ``at``."""
         if self._settle:
             self._first = self._two(self._settle)
             self._from = at
 
     def at(self, now: float) -> tuple[float, float, float]:
-        """m north and east, and how far it is from settled: 1 at its first fix."""
+        """Error north and east, m; how unsettled the receiver is: 1 at its first fix, then less."""
         if self._wander:
             if self._slow is None:
                 self._slow = self._two(self._wander)

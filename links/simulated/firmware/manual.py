@@ -1,9 +1,9 @@
 """Manual mode: five thrusters by the M commands (document 000, 1.2.2); the same in both profiles.
 
-A command sets the thrusters it names and leaves the others. A stick (``MS``) holds the heading of
-its angle while it moves; ``MP`` leans: 90 is ahead (nose down), 0 is right.
+A command sets the thrusters that it names and does not change the others. ``MS`` (stick) moves and
+holds the heading of its angle. ``MP`` leans: 90 is ahead (nose down), 0 is right.
 
-What does not live here: reading the text, the dead man.
+What does not live here: parsing the text, the dead-man timeout.
 """
 
 from __future__ import annotations

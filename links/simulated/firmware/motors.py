@@ -1,6 +1,6 @@
-"""The motor boards of document 002 on their bus: one force frame, one torque frame, no answer.
+"""The motor boards of document 002 on their bus: a force frame, a torque frame, no answer.
 
-Where none of the two has come for 200 ms the motors stop (R16).
+The motors stop when neither frame has come for 200 ms (R16).
 
 What does not live here: frames (protocol.vehicles.motorcan), the water (plant.py).
 """
@@ -21,7 +21,7 @@ from protocol.vehicles.keys import Wire
 
 class MotorBoards(WaterBoard):
     hears = motorcan.LINKS[0]
-    period = 0.1  # of reports, which are empty
+    period = 0.1  # s between reports, which are empty
     silence = motorcan.SILENCE
 
     def __init__(self, rng: Random, tolerances: Tolerances, wire: Wire) -> None:

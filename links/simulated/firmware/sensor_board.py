@@ -1,8 +1,7 @@
-"""The sensor board of document 002 (tables 4-1 and 4-2) beside the motor boards of the same body.
+"""The sensor board of document 002 (tables 4-1 and 4-2), with the motor boards of the same body.
 
-It reports at 10 Hz what its sensors see that have power: the INS aligns at the surface some seconds
-after it was switched on, the USBL and the DVL say nothing without theirs. What its drop weight
-held, it lets go of once, and for ever.
+It reports at 10 Hz. The INS aligns at the surface some seconds after it was switched on. USBL and
+DVL data are valid only while these have power. The drop weight can be released only once.
 
 What does not live here: frames (protocol.vehicles.coreboard), the motor boards (motors).
 """
@@ -22,9 +21,9 @@ from protocol.tolerances import Tolerances
 from protocol.vehicles import coreboard
 from protocol.vehicles.keys import Wire
 
-DROPPED_N = 40.0  # what the body is lighter by without its weight (assumed)
+DROPPED_N = 40.0  # buoyancy gained by the drop of the weight (assumed)
 _DVL, _GPS, _INS, _USBL = 1, 2, 4, 16  # valid bits
-_MOST_OF_A_RECORD = 0x07  # its first byte
+_MOST_OF_A_RECORD = 0x07  # greatest first byte of a CAN record
 _OFF: Mapping[str, Any] = dict.fromkeys((*coreboard.SENSOR_SWITCHES, "led1", "led2"), 0)
 
 
@@ -32,13 +31,13 @@ class SensorBoard(MotorBoards):
     def __init__(self, rng: Random, tolerances: Tolerances, wire: Wire) -> None:
         super().__init__(rng, tolerances, wire)
         self.told: Mapping[str, Any] = _OFF
-        self.powered = inf  # since when its INS is
+        self.powered = inf  # since when the INS has power
         self.dropped = False
         self._told_framer = coreboard.LINKS[1].framer(tolerances)
         self._frame = coreboard.sensor_to_main(tolerances)
 
     def receive(self, data: bytes, now: float) -> None:
-        """Records of the bus, and frames of the line: each whole, or in pieces of its own kind."""
+        """Take CAN records of the bus, or bytes of the line. One call holds only one of the two."""
         if data and data[0] <= _MOST_OF_A_RECORD:
             super().receive(data, now)
             return

@@ -1,12 +1,12 @@
-"""The STM32 board: what both profiles share.
+"""The STM32 board: the part that both profiles share.
 
     boot -> DEFAULT --any ZA--> AUTO --any M--> MANUAL --any ZA--> AUTO
     every change of mode stops all thrusters first; a hang ends in a restart (watchdog)
 
-``control`` is called every 0.2 s and gives the seven PWMs; ``due`` says when ``process`` has to be
-called (a burst is closed, a dead man runs out); ``report`` sends the ``@SD`` that is due every 2 s.
+``control`` is called every 0.2 s and returns the seven PWMs. ``process`` has to be called at
+``due`` (the end of a burst, or the dead-man timeout). ``report`` sends the ``@SD`` every 2 s.
 
-What does not live here: how a profile reads a burst, moves and answers (documented.py,
+What does not live here: how a profile parses a burst, moves and answers (documented.py,
 as_built.py), sensors and their errors.
 """
 
@@ -28,8 +28,8 @@ REPORT_PERIOD = 2.0  # s
 SERVO_LOW, SERVO_HIGH = -15, 22  # deg
 GEAR_MAX = 12
 
-_FULL = float(GEAR_MAX)  # mixed with integers: twice the time
-_NEUTRAL = NEUTRAL_PWM + 0.5  # rounds
+_FULL = float(GEAR_MAX)  # a float: mixing with integers takes twice the time
+_NEUTRAL = NEUTRAL_PWM + 0.5  # so that truncation rounds
 _DATA = Struct("<15f9H")
 _CRC = Struct("<I")
 _MICROTESLA = 1e6
@@ -41,18 +41,18 @@ class Mode(enum.Enum):
     MANUAL = "manual"
 
 
-_DEFAULT = Mode.DEFAULT  # looked at five times a second: a member's look-up is a call
+_DEFAULT = Mode.DEFAULT  # used five times a second: looking up the member costs a call
 
 
 def pwm_of(gear: float) -> int:
-    """us; gears beyond +-12 are cut off, fractions allowed."""
+    """PWM of a gear, us. Gears are clamped to +-12; fractions are allowed."""
     if not -_FULL <= gear <= _FULL:
         gear = _FULL if gear > 0.0 else -_FULL
     return int(_NEUTRAL + gear * GEAR_PWM)
 
 
 def level_pwm(left: float, right: float, up: float, servos: tuple[int, int]) -> tuple[int, ...]:
-    """us of gears: the two mains, the three verticals alike, and the rudders as they are."""
+    """PWMs, us, from gears: two mains, three equal verticals, and the rudders unchanged."""
     full, (servo_left, servo_right) = _FULL, servos
     if -full <= left <= full and -full <= right <= full and -full <= up <= full:
         neutral, gear = _NEUTRAL, GEAR_PWM
@@ -64,10 +64,10 @@ def level_pwm(left: float, right: float, up: float, servos: tuple[int, int]) -> 
 
 
 class Stm32(ABC):
-    """One board. Sub-classes are the profiles."""
+    """One board. The subclasses are the profiles."""
 
     reports_in_manual: bool
-    says_a: bool  # answers every @ZA with the code A
+    says_a: bool  # it answers every @ZA with the code A
     dead_man: float  # s without an M command in manual mode, inf: none
 
     def __init__(self, sensors: Sensors, rng: Random) -> None:
@@ -80,20 +80,20 @@ class Stm32(ABC):
         self.power = [True, True, True, True, True, True, False]  # order of @RS
         self.hung = False
         self.booting = False
-        self.powerless = False  # answers all, and turns no thruster
-        self.deaf = False  # commands get lost
-        self.garbles = 0.0  # share of commands with a bit turned over
+        self.powerless = False  # answers everything, but turns no thruster
+        self.deaf = False  # commands are lost
+        self.garbles = 0.0  # share of bursts received with a flipped bit
         self.loses_acks = False
-        self.answers_late = 0.0, rng  # s at most, each as drawn
-        self.dives: list[str] = []  # at full power whatever is asked, each until this code, or ""
-        self.ignores: set[str] = set()  # codes of @ZA that it does not hear
+        self.answers_late = 0.0, rng  # s: greatest random delay of an answer; its generator
+        self.dives: list[str] = []  # dives at full power, each until this code; "": until its end
+        self.ignores: set[str] = set()  # codes of @ZA that it ignores
         self.refuses = ""  # codes of @ZA that it answers N
-        self.late = 0.0  # s from a command until it is obeyed
-        self.busy, self._busy_until = 0.0, 0.0  # s in which it hears nothing behind a word
-        self.splice = 0.0  # chance that an answer lands inside the @SD being sent
-        self._dead_man_at = self.due = inf  # due: asked for much more often than it changes
+        self.late = 0.0  # s by which commands are obeyed late
+        self.busy, self._busy_until = 0.0, 0.0  # s after a command in which it receives nothing
+        self.splice = 0.0  # probability that an answer lands inside the @SD being sent
+        self._dead_man_at = self.due = inf  # due: kept, since it is read far more than it changes
 
-    # --- the vehicle's clockwork -----------------------------------------------------------
+    # --- time ------------------------------------------------------------------------------
 
     def _foresee(self) -> None:
         self.due = min(self.rx.due, self._dead_man_at)
@@ -108,7 +108,7 @@ class Stm32(ABC):
         self._foresee()
 
     def process(self, now: float) -> None:
-        """Whatever ``due`` announced for ``now``."""
+        """Do what ``due`` announced for ``now``."""
         if self._dead_man_at <= now:
             self._dead_man_at = inf
             if not self.hung:
@@ -124,7 +124,7 @@ class Stm32(ABC):
         self._foresee()
 
     def control(self, plant: Plant) -> tuple[int, ...]:
-        """The PWMs from now to the next call."""
+        """Return the PWMs from now to the next call."""
         if self.hung:
             return self.pwm
         if self.booting or self.powerless:
@@ -139,13 +139,13 @@ class Stm32(ABC):
         return self.pwm
 
     def report(self, plant: Plant, now: float) -> None:
-        """Sample the sensors and send ``@SD``, if the board does that now."""
+        """Sample the sensors, and send ``@SD`` if the board reports in this state."""
         values = self.sensors.sample(plant, now)
         if self.reporting:
             self.tx.send(self.telemetry(values), now)
 
     def restart(self) -> None:
-        """Brown-out or watchdog: nothing is remembered."""
+        """Restart after a brown-out or by the watchdog: the board forgets everything."""
         self.rx.clear()
         self.hung = False
         self.servos = [0, 0]
@@ -222,7 +222,7 @@ class Stm32(ABC):
         self.acknowledge(b"RSS", now)
 
     def change(self, mode: Mode) -> None:
-        """Stops everything first; rudders stay where they are."""
+        """Change the mode, stopping everything first. The rudders keep their angles."""
         self.mode = mode
         self._dead_man_at = inf
         self._foresee()
@@ -230,7 +230,7 @@ class Stm32(ABC):
         self.drive(0.0, 0.0, 0.0, 0.0, 0.0)
 
     def drive(self, left: float, right: float, rear: float, front_l: float, front_r: float) -> None:
-        """Gears of the five thrusters (verticals up positive); the rudders as they are."""
+        """Set the gears of the five thrusters (verticals up positive), not the rudders."""
         five = map(pwm_of, (left, right, rear, front_l, front_r))
         self.pwm = (*five, *self.servo_pwm)
 
@@ -249,31 +249,31 @@ class Stm32(ABC):
 
     @abstractmethod
     def frames(self, burst: bytes) -> list[bytes]:
-        """The frames, ``@`` to ``$``, that the board sees in a burst."""
+        """Return the frames, ``@`` to ``$``, that the board finds in a burst."""
 
     @abstractmethod
     def automatic(self, code: str, parameter: str, now: float) -> None:
-        """A ``@ZA``; answers it."""
+        """Execute a ``@ZA`` and answer it."""
 
     @abstractmethod
     def manual(self, code: str, parameter: str) -> None:
-        """An ``@M``; never answered."""
+        """Execute an ``@M``, which is never answered."""
 
     @abstractmethod
     def rudder(self, parameter: str) -> None:
-        """``A2,-2`` or ``S3,20``; never answered."""
+        """Execute a rudder command, ``A2,-2`` or ``S3,20``, which is never answered."""
 
     @abstractmethod
     def steer(self, plant: Plant) -> None:
-        """Set ``pwm`` by the set points."""
+        """Set ``pwm`` from the setpoints."""
 
     @abstractmethod
     def halt(self) -> None:
-        """Forget all set points."""
+        """Forget all setpoints."""
 
     @abstractmethod
     def mask(self) -> int:
-        """The byte of ``@RI``."""
+        """The byte in the answer to ``@RI``."""
 
     @abstractmethod
     def batteries(self, values: list[float]) -> tuple[int, int]:
@@ -281,5 +281,5 @@ class Stm32(ABC):
 
 
 def heading_of(yaw_deg: float) -> float:
-    """Wire yaw (90 west) to heading, rad."""
+    """Heading, rad, from the yaw on the wire (90 is west)."""
     return -yaw_deg * pi / 180.0

@@ -1,9 +1,9 @@
 """Both directions of the serial line: 9600 8N1 is 10 bits a byte, 1.0417 ms.
 
-A ``Chunk`` is what leaves without a pause; a reader gets it whole when its last byte is through,
-with the time of its first one. Whole chunks are scheduled by arithmetic: no event per byte.
+A ``Chunk`` is sent without a pause. A reader gets it whole when its last byte has been sent, with
+the time of its first byte. Times of chunks are computed: there is no event per byte.
 
-What does not live here: what the bytes mean.
+What does not live here: the meaning of the bytes.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ BURST_GAP = 0.005  # s of silence that end a burst
 
 
 def turned_over(data: bytes, rng: Random) -> bytes:
-    """One bit of it, any one."""
+    """``data`` with one random bit flipped."""
     at = rng.randrange(len(data))
     return data[:at] + bytes([data[at] ^ (1 << rng.randrange(8))]) + data[at + 1 :]
 
@@ -36,13 +36,13 @@ class Transmitter:
     def __init__(self, rng: Random) -> None:
         self.rng = rng
         self.queue: deque[Chunk] = deque()
-        self.free = 0.0  # when the last queued byte is through
+        self.free = 0.0  # when the last queued byte has been sent
         self.silent = False
-        self.corrupt = 0.0  # share of frames with a bit turned over
-        self.noise = 0.0  # share of frames with garbage in front of them
+        self.corrupt = 0.0  # share of frames with a flipped bit
+        self.noise = 0.0  # share of frames with garbage before them
 
     def send(self, data: bytes, now: float) -> None:
-        """Behind everything that is already on its way."""
+        """Send after everything that is already queued."""
         if self.silent:
             return
         data = self._spoilt(data)
@@ -51,7 +51,7 @@ class Transmitter:
         self.queue.append(Chunk(start, self.free, data))
 
     def cut_in(self, data: bytes, now: float) -> bool:
-        """Into the middle of the chunk that is being sent; False if there is none."""
+        """Insert ``data`` into the chunk that is being sent. False if there is none."""
         if self.silent or not self.queue:
             return False
         chunk = self.queue[-1]
@@ -64,7 +64,7 @@ class Transmitter:
         return True
 
     def take(self, now: float) -> list[Chunk]:
-        """Everything whose last byte is through by ``now``."""
+        """Return all chunks whose last byte has been sent by ``now``."""
         queue, out = self.queue, []
         while queue and queue[0].end <= now:
             out.append(queue.popleft())
@@ -80,15 +80,15 @@ class Transmitter:
 
 
 class Receiver:
-    """The board's RX pin: bytes in, bursts out. ``due`` is when the next burst is closed."""
+    """The board's RX pin: bytes in, bursts out. ``due``: when the next burst ends."""
 
     def __init__(self) -> None:
         self._bursts: deque[Chunk] = deque()
         self._free = 0.0
-        self.due = inf  # asked for much more often than anything is sent
+        self.due = inf  # kept, since it is read far more often than it changes
 
     def feed(self, data: bytes, now: float) -> None:
-        """The sender writes at ``now``; its UART sends at the line's pace."""
+        """Take bytes that the sender writes at ``now``; they arrive at the line's rate."""
         start = max(now, self._free)
         self._free = end = start + len(data) * BYTE_TIME
         if self._bursts and start - self._bursts[-1].end < BURST_GAP:

@@ -1,4 +1,4 @@
-"""Recordings as files that other programs read: a folder for each recording, a form for each use.
+"""Recordings as files for other programs: a folder for each recording, a form for each use.
 
 columns   topics as sheets: columns with units, rows    places    track, fixes and plans
 comma     CSV, a file for each topic                    gpx       GPX 1.1
@@ -48,7 +48,7 @@ FORMS: Mapping[str, Callable[[Items], Files]] = MappingProxyType(
 
 
 def folders(output: Path, logs: Sequence[Path]) -> list[Path]:
-    """In ``output`` one for each log, by its name; numbered where two have the same."""
+    """Return a folder in ``output`` for each log, with its name; equal names are numbered."""
     taken: list[Path] = []
     for log in logs:
         name = log.stem.strip(".") or "log"

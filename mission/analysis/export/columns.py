@@ -1,9 +1,9 @@
 """A topic as columns: its schema flattened, each with kind, unit and meaning; its lines as rows.
 
-    items of a recording --sheets--> Sheet, one for each topic that it has something of
+    items of a recording --sheets--> Sheet, one for each topic with any line
 
-A table within a value becomes a column for each of its fields (store_limits_depth), also where the
-names are known by the values alone (actuators_T1). What does not live here: files (comma, parquet).
+A table within a value becomes a column for each of its fields (store_limits_depth). This is also so
+if only the values know the names (actuators_T1). What does not live here: files (comma, parquet).
 """
 
 from __future__ import annotations
@@ -24,17 +24,18 @@ TIME, NUMBER, INTEGER, FLAG, TEXT = "time", "number", "integer", "flag", "text"
 NUMBERS, TEXTS, JSON = "numbers", "texts", "json"
 _SCALARS = {"number": NUMBER, "integer": INTEGER, "boolean": FLAG, "string": TEXT}
 _LISTS = {NUMBER: NUMBERS, TEXT: TEXTS}
-_NAMES = 256  # of a table whose names the values alone know, at most; else it is one JSON text
+_NAMES = 256  # names of such a table, at most; a larger table is one JSON text
 _INT64 = 2**63
 
 
 class ExportError(ValueError):
-    """Says what cannot be exported, and where."""
+    """The message says what cannot be exported, and where."""
 
 
 @dataclass(frozen=True, slots=True)
 class Column:
-    """``path`` leads to it in a value; empty for the two columns of time."""
+    """One column. ``path`` leads to its field in a value; it is empty for the two columns of
+    time."""
 
     name: str
     kind: str
@@ -45,7 +46,7 @@ class Column:
 
 @dataclass(frozen=True, slots=True)
 class Sheet:
-    """``rows`` have a cell for each column: None where nothing is known; times in s since 1970."""
+    """One topic. ``rows`` have a cell for each column, None if not known; times in s since 1970."""
 
     topic: Topic
     columns: tuple[Column, ...]
@@ -59,7 +60,7 @@ _CLOCKS = (
 
 
 def sheets(items: Iterable[Record | Gap]) -> Iterator[Sheet]:
-    """Of one recording, in the order of the topics. Raises ExportError."""
+    """Yield the sheets of one recording, in the order of the topics. Raises ExportError."""
     reading, found = Lines(Wanted(frozenset(TOPICS))), dict[str, list[Line]]()
     for item in items:
         for line in reading.receive(item):
@@ -100,7 +101,7 @@ def _is_table(schema: Schema, values: Sequence[Any]) -> bool:
 
 
 def _names(schema: Schema, values: Sequence[Any]) -> list[str]:
-    """Of a table of numbers, sorted; none where it is another, or has too many."""
+    """Return the sorted names of a table of numbers; none if it is not one, or has too many."""
     of = schema.get("additionalProperties")
     if not isinstance(of, Mapping) or of.get("type") != "number":
         return []
@@ -120,7 +121,7 @@ def _kind(schema: Schema) -> str:
 
 
 def _t(line: Line) -> Any:
-    """With every bit where the value has it; a message of MCAP has whole ns."""
+    """Return the time with every bit, if the value has it; a message of MCAP has whole ns."""
     return _cell(Column("t", NUMBER, "s", "", ("t",)), line) if "t" in line.value else line.t
 
 

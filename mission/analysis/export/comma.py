@@ -1,9 +1,9 @@
 """Sheets as CSV (RFC 4180, UTF-8): a file for each topic, and columns.csv with every column's unit.
 
-Whoever opens it may do so in a spreadsheet, which runs a cell as a formula by its first character,
-and texts come from whoever sent a frame. So an apostrophe stands before a text that begins as a
-formula, or with an apostrophe; backslashes and odd characters are written out (\\x1b). Both can be
-undone. Numbers have all their digits; a cell without a value is empty.
+A spreadsheet runs a cell as a formula by its first character, and texts come from anybody who sent
+a frame. So an apostrophe is put before a text that begins like a formula or with an apostrophe.
+Backslashes and control characters are escaped (\\x1b). Both can be undone. Numbers have all their
+digits; a cell without a value is empty.
 """
 
 from __future__ import annotations
@@ -23,13 +23,13 @@ from mission.onboard.blackbox import Gap
 _FORMULA = re.compile(r"\s*['=+\-@\uff1d\uff0b\uff0d\uff20]")
 _ODD = re.compile(
     r"[\\\x00-\x1f\x7f-\x9f\u2028-\u202e\u2066-\u2069\ud800-\udfff\ufeff]"
-    r"|;(?=\s*[=+\-@])"  # where it separates cells, a formula begins behind it
+    r"|;(?=\s*[=+\-@])"  # if ; separates cells, a formula begins after it
 )
 _HEAD = ("topic", "column", "kind", "unit", "says")
 
 
 def csv_files(items: Iterable[Record | Gap]) -> Iterator[tuple[str, bytes]]:
-    """Names and contents, of one recording. Raises ExportError."""
+    """Yield names and contents of the files of one recording. Raises ExportError."""
     said: list[Sequence[str]] = [_HEAD]
     for sheet in sheets(items):
         head = tuple(map(_text, (column.name for column in sheet.columns)))

@@ -1,7 +1,7 @@
-"""Places as GeoJSON (RFC 7946): plan, track and fixes in one FeatureCollection, told by ``of``.
+"""Places as GeoJSON (RFC 7946): plan, track and fixes in one FeatureCollection, marked by ``of``.
 
-A position is longitude, latitude, and where it is known metres above the surface: under water
-negative. A line of the track has ``times`` and ``radius_95_m``, an entry for each position.
+A position is longitude, latitude and, if known, metres above the surface (negative under water). A
+line of the track has ``times`` and ``radius_95_m``, an entry for each position.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ def geojson(found: Places) -> bytes:
 
 
 def _line(piece: list[Point]) -> dict[str, Any]:
-    """A point where the line has but one."""
+    """Return a line, or a point if the piece has only one."""
     places = [_position(point) for point in piece]
     form, coordinates = ("LineString", places) if len(places) > 1 else ("Point", places[0])
     times, radii = [point.time for point in piece], [point.within for point in piece]

@@ -1,7 +1,7 @@
 """Places as GPX 1.1 (topografix.com/GPX/1/1): legs as routes, estimated track and fixes as tracks.
 
-``ele`` is metres above the surface: under water negative. GPX knows no areas: they are closed
-tracks without times, so that no plotter steers along them. The radius is no route and stays out.
+``ele`` is metres above the surface, negative under water. GPX has no areas: they are closed tracks
+without times, so that no plotter steers along them. The radius is no route and is left out.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
-"""Places as KML 2.2 (OGC 07-147r2), with Google's gx:Track for a line that knows its times.
+"""Places as KML 2.2 (OGC 07-147r2), with Google's gx:Track for lines with times.
 
-Heights are metres above the surface, "absolute": under water negative.
+Heights are metres above the surface, "absolute", negative under water.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ def _plan(document: Element, plan: Plan) -> None:
             mark = SubElement(folder, "Placemark")
             SubElement(mark, "name").text = name
             SubElement(mark, "description").text = what
-            if form == "Polygon":  # seen through
+            if form == "Polygon":  # no fill
                 SubElement(SubElement(SubElement(mark, "Style"), "PolyStyle"), "fill").text = "0"
             drawn = SubElement(mark, form)
             if form != "Point":

@@ -1,6 +1,6 @@
-"""Sheets as Parquet, a file for each topic: unit and meaning are in the metadata of each field.
+"""Sheets as Parquet, a file for each topic; the metadata of each field has unit and meaning.
 
-pyarrow is imported when a file is made: it is an extra.
+pyarrow is imported when a file is made, because it is an optional extra.
 """
 
 from __future__ import annotations
@@ -27,7 +27,8 @@ from mission.onboard.blackbox import Gap
 
 
 def parquet_files(items: Iterable[Record | Gap]) -> Iterator[tuple[str, bytes]]:
-    """Names and contents, of one recording. Raises ExportError, also without pyarrow."""
+    """Yield names and contents of the files of one recording. Raises ExportError, also without
+    pyarrow."""
     try:
         import pyarrow  # noqa: F401
     except ImportError as error:
@@ -72,5 +73,5 @@ def _value(kind: str, value: Any) -> Any:
 
 
 def _plain(text: str) -> str:
-    """Half a surrogate pair, which UTF-8 does not have, is written out."""
+    """Escape lone surrogates, which UTF-8 cannot encode."""
     return text.encode("utf-8", "backslashreplace").decode()

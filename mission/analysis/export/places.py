@@ -1,4 +1,4 @@
-"""What of a recording has a place on the earth: the track as estimated, the fixes, the plans.
+"""The parts of a recording with a position: the estimated track, the fixes, the plans.
 
 What does not live here: files (gpx, kml, geojson), the smoothed track (smoothing).
 """
@@ -24,8 +24,8 @@ _APART_S = 30.0  # between two points of one line, at most
 
 @dataclass(frozen=True, slots=True)
 class Point:
-    """Degrees of WGS 84. ``up`` is m above the surface. ``within`` is in m: of the track the long
-    half axis of the 95 % ellipse, of a fix one sigma."""
+    """A position in degrees of WGS 84. ``up``: m above the surface. ``within``: m; of the track the
+    long half axis of the 95 % ellipse, of a fix one sigma."""
 
     wall: float  # s since 1970
     latitude: float
@@ -41,14 +41,14 @@ class Point:
 
 @dataclass(frozen=True, slots=True)
 class Plan:
-    """Of one mission. ``features`` are those of mission.onboard.stream.plan."""
+    """The plan of one mission. ``features``: as in mission.onboard.stream.plan."""
 
     mission: str
     features: Sequence[dict[str, Any]]
 
     def lines(self, form: str) -> Iterator[tuple[str, str, list[list[float]]]]:
-        """Name, meaning and corners (longitude, latitude) of what is a Point, a LineString or a
-        Polygon; of that the outer ring, whose last corner is its first."""
+        """Yield name, meaning and corners (longitude, latitude) of each feature of the form Point,
+        LineString or Polygon; of a Polygon the outer ring, whose last corner is its first."""
         for feature in self.features:
             said, drawn = feature["properties"], feature["geometry"]
             if drawn["type"] == form:
@@ -64,7 +64,7 @@ class Places:
     vehicle: str = ""
     track: list[Point] = field(default_factory=list)
     fixes: list[Point] = field(default_factory=list)
-    plans: dict[str, Plan] = field(default_factory=dict)  # by digest: the last that was drawn
+    plans: dict[str, Plan] = field(default_factory=dict)  # by digest: the last one
 
     def take(self, message: Message, derivation: Derivation) -> None:
         said, wall = message.value, derivation.wall(message.t)
@@ -85,7 +85,7 @@ def _point(wall: float, said: Mapping[str, Any], up: float | None, within: float
 
 
 def places(items: Sequence[Record | Gap]) -> Places:
-    """Of one recording. Raises ExportError where nothing in it has a place."""
+    """Collect the places of one recording. Raises ExportError if nothing in it has a position."""
     start = start_of(items)
     if start is None:
         raise ExportError("there is no whole start record, so nothing says what vehicle it is")
@@ -102,7 +102,7 @@ def places(items: Sequence[Record | Gap]) -> Places:
 
 
 def pieces(track: Sequence[Point]) -> Iterator[list[Point]]:
-    """The lines to draw: parted where nothing was known for a while, and at the date line."""
+    """Split a track into lines: where nothing was known for a while, and at the date line."""
     piece: list[Point] = []
     for point in track:
         if piece and (

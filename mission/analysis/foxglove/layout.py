@@ -1,6 +1,6 @@
-"""The layout that is shipped: which panel shows which field, in Foxglove's form of a layout.
+"""The layout that is shipped: which panel shows which field, in Foxglove's layout format.
 
-Panels that plot name fields as ``topic.field``. A test holds that each topic and field exists.
+Panels that plot name fields as ``topic.field``. A test checks that each topic and field exists.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ _BATTERIES = ("telemetry.control_v", "telemetry.power_v")
 
 
 def layout() -> Mapping[str, Any]:
-    """As JSON it can be imported."""
+    """Return the layout, which can be imported as JSON."""
     panels = {
         "Map!place": {
             "followTopic": topics.POSITION,
@@ -61,7 +61,7 @@ def _paths(names: Sequence[str]) -> list[Mapping[str, Any]]:
 
 
 def _split(direction: str, *parts: Any) -> Any:
-    """Parts of the same size: the form knows two at a time."""
+    """Split into parts of equal size; the format knows only two parts at a time."""
     first, *rest = parts
     if not rest:
         return first

@@ -1,6 +1,6 @@
-"""What a monitor tells of a vehicle under way, as messages of the same topics as its black box.
+"""A monitor's frames of a vehicle under way, as messages of the same topics as its black box.
 
-A monitor sends less than is recorded, five times a second at most. What it does not tell is null.
+A monitor sends less than is recorded, at most five times a second. What it does not send is null.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ _LIMITS = ("depth", "radius", "time", "voltage")
 
 
 class Live:
-    """``wall`` with each frame: s since 1970 UTC when it came."""
+    """Turns frames into messages. ``wall``: when the frame came, s since 1970 UTC."""
 
     def __init__(self) -> None:
         self._reported: float | None = None
@@ -41,7 +41,7 @@ class Live:
         self._state, self._since = "", 0.0
 
     def receive(self, watched: Watched, frame: Frame, wall: float) -> Iterator[Message]:
-        """``watched`` has taken the frame."""
+        """``watched`` has already taken the frame."""
         t, seen = float(frame["t"]), watched.state
         for line in frame.get("events", ()):
             yield Message(topics.JOURNAL, t, wellknown.log(wall, wellknown.INFO, "vehicle", line))
@@ -139,7 +139,7 @@ def _placed(t: float, wall: float, seen: Mapping[str, Any]) -> Iterator[Message]
 
 
 def _local(seen: Mapping[str, Any]) -> tuple[float, float] | None:
-    """North and east of home, m."""
+    """Return north and east of home, m."""
     latitude, longitude, origin = (seen.get(n) for n in ("latitude", "longitude", "origin"))
     if latitude is None or longitude is None or origin is None:
         return None
@@ -151,7 +151,7 @@ def _radians(value: float | None) -> float | None:
 
 
 def _planned(t: float, lines: Sequence[str]) -> Iterator[Message]:
-    """Nothing while the plan has not come whole, or is for a vehicle that is not known here."""
+    """Yield the plan; nothing while it is incomplete or is for a vehicle that is not known here."""
     with contextlib.suppress(MissionErrors, VehicleError, OSError):
         mission = parse_script(lines)
         if mission.home is not None:

@@ -1,4 +1,4 @@
-"""A black box as messages at their times: what was recorded of a dive, and what follows from it."""
+"""A black box as messages at their times: the records of a dive, and what is derived from them."""
 
 from __future__ import annotations
 
@@ -14,7 +14,8 @@ TOPICS = tuple(topic.name for topic in DERIVED)
 
 
 def begun(items: Iterable[Record | Gap]) -> float:
-    """s since 1970 UTC at time 0. Raises BlackBoxError where no start is whole."""
+    """Return the wall time at time 0, s since 1970 UTC. Raises BlackBoxError without a whole
+    start."""
     for item in items:
         if isinstance(item, Record) and item.kind == rec.START:
             return rec.read_start(item).wall
@@ -22,8 +23,8 @@ def begun(items: Iterable[Record | Gap]) -> float:
 
 
 def messages(items: Iterable[Record | Gap]) -> Iterator[Message]:
-    """Of one recording, in order. Raises ValueError, KeyError or TypeError for a start record of no
-    version that can be read."""
+    """Yield the messages of one recording, in order. Raises ValueError, KeyError or TypeError for a
+    start record of a version that cannot be read."""
     derivation: Derivation | None = None
     for item in items:
         if isinstance(item, Gap):

@@ -1,7 +1,8 @@
-"""A server of Foxglove's WebSocket protocol. It hears nothing from clients but what they wish for.
+"""A server of Foxglove's WebSocket protocol. Clients can only subscribe.
 
-The protocol keeps nothing for who comes later: what was sent last, and the newest lines of the
-journal, are sent again to whoever subscribes. The package foxglove-sdk speaks it (an extra).
+The protocol stores nothing for late clients. So the server sends the last message, and the newest
+lines of the journal, again to each new subscriber. The package foxglove-sdk (an extra) implements
+the protocol.
 """
 
 from __future__ import annotations
@@ -16,17 +17,17 @@ from mission.onboard.blackbox.form import NS, schema_text
 from mission.onboard.stream import topics
 from mission.onboard.stream.derived import Message
 
-KEPT_LINES = 200  # of the journal
-_BACKLOG = 4096  # messages that wait for one client: of older ones it gets none
+KEPT_LINES = 200  # lines of the journal
+_BACKLOG = 4096  # messages that wait for one client: older ones are dropped
 
 
 class Server:
-    """Raises ImportError without the extra, OSError or RuntimeError for a port that is taken."""
+    """Raises ImportError without the extra, OSError or RuntimeError if the port is in use."""
 
     def __init__(self, host: str, port: int, names: Iterable[str]) -> None:
         import foxglove
 
-        self._context = context = foxglove.Context()  # without it the channels close
+        self._context = context = foxglove.Context()  # a reference to it keeps the channels open
         self._channels = {name: _channel(foxglove, context, name) for name in names}
         self._names = {channel.id(): name for name, channel in self._channels.items()}
         self._kept: dict[str, deque[tuple[bytes, int]]] = {
@@ -49,7 +50,7 @@ class Server:
         return int(self._server.port)
 
     def send(self, message: Message, wall: float) -> None:
-        """``wall``: s since 1970 UTC at which it is shown."""
+        """``wall``: the time at which it is shown, s since 1970 UTC."""
         data = json.dumps(message.value, separators=(",", ":"), allow_nan=False).encode()
         at = round(wall * NS)
         with self._lock:
@@ -57,11 +58,11 @@ class Server:
             self._channels[message.topic].log(data, log_time=at)
 
     def time(self, wall: float) -> None:
-        """What the time is now, where it is not everybody's: of a dive that is played."""
+        """Send the current time if it is not the real one: of a dive that is played."""
         self._server.broadcast_time(round(wall * NS))
 
     def again(self, channel: int, client: int) -> None:
-        """To who has just subscribed."""
+        """Send the stored messages to a new subscriber."""
         name = self._names.get(channel)
         if name is None:
             return

@@ -1,1 +1,1 @@
-"""The recorded inputs fed to the same runtime, and the first difference."""
+"""Replay of the recorded inputs through the same runtime, up to the first difference."""

@@ -1,7 +1,7 @@
-"""What a serve hears and says on one of its links, read from its black box as it is written.
+"""Bytes that ``serve`` receives and sends on one link, read from its black box as it is written.
 
-It disturbs nobody: serve alone has the port. What does not live here: where the black box lies
-(serve.health), what the bytes mean (protocol).
+This disturbs nothing, because serve alone has the port open. What does not live here: where the
+black box is (serve.health), what the bytes mean (protocol).
 """
 
 from __future__ import annotations
@@ -14,8 +14,8 @@ from mission.model import Record
 from mission.onboard.blackbox import FLUSH_S, GrowingBox, first_part
 from mission.onboard.runtime.records import RX, TX, read_rx, read_tx
 
-IN, OUT = "in", "out"  # of the vehicle's computer
-LOOK_S = 1.0  # between two looks for another black box
+IN, OUT = "in", "out"  # directions, seen from the vehicle's computer
+LOOK_S = 1.0  # between two checks for another black box
 
 
 def follow(
@@ -25,9 +25,10 @@ def follow(
     wall: Callable[[], float],
     sleep: Callable[[float], None],
 ) -> Iterator[Rx]:
-    """From now on, until ``box`` (asked once a second) tells of none; without bytes where nothing
-    new has come. ``t`` is in s since 1970 UTC, the link IN or OUT; it goes on with the records, for
-    what is not written yet may belong to what was. Raises BlackBoxError."""
+    """Yield the bytes from now on, until ``box`` (called once a second) returns None. After each
+    read comes an Rx without bytes. ``t`` is in s since 1970 UTC, the link is IN or OUT. The time
+    advances only with the records, because bytes not written yet may continue the last ones. Raises
+    BlackBoxError."""
     path, looked, newest = box(), wall(), 0.0
     opened: GrowingBox | None = None
     try:
@@ -47,7 +48,7 @@ def follow(
 
 
 def _next(before: GrowingBox | None, path: Path) -> GrowingBox:
-    """The first one is read from where it ends now, another from its beginning."""
+    """Open a box. The first one is read from its present end, later ones from their beginning."""
     opened = GrowingBox(path)
     if before is not None:
         before.close()

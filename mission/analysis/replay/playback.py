@@ -1,8 +1,8 @@
-"""A recording run again as a viewer of it would have seen it: the same state, from the same table.
+"""Run a recording again and show it as a viewer saw it: the same state, from the same table.
 
-    records --inputs, up to a time--> Runtime --view--> Monitor --frames--> whoever watches
+    records --inputs, up to a time--> Runtime --view--> Monitor --frames--> viewer
 
-What does not live here: whether it is the same as it was (replay), who watches (topside).
+What does not live here: whether the result is the same (replay), who watches (topside).
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ VIEWER = "here"
 
 
 class Playback:
-    """Raises ValueError where the records begin with no start of this version."""
+    """Raises ValueError if the records do not begin with a start of this version."""
 
     def __init__(self, records: Sequence[Record]) -> None:
         if not records or records[0].kind != rec.START:
@@ -46,7 +46,7 @@ class Playback:
         return self._records[-1].t if self._records else 0.0
 
     def until(self, t: float) -> bytes:
-        """The frame of the engine's time ``t``, b"" where nothing is new."""
+        """Return the frame at the engine's time ``t``; b"" if nothing is new."""
         while not self.over and self._records[self._next].t <= t:
             record = self._records[self._next]
             self._next, self._now = self._next + 1, record.t

@@ -2,17 +2,17 @@
 
     start --> Runtime; every input, in order --> what it records now == what stands in the file
 
-Everything is compared, to the last bit: kinds, times, payloads, and their order. The file may end
-anywhere (a power cut): what the runtime would have recorded beyond its end is not missed. Only the
-program's version in the start record may differ; it is told. Of the first form, what was not on
-record then is left out.
+Everything is compared to the last bit: kinds, times, payloads and their order. The file may end
+anywhere (a power cut): records that the runtime makes beyond that end do not count as missing. Only
+the program's version in the start record may differ; it is reported. For a recording of the first
+form, the kinds of records that it lacks are left out.
 
-Another kind of processor multiplies the filter's matrices by other instructions, and the last
-digits of estimates follow (an aarch64 Pi, an x86-64 laptop). Who asks for it has estimates compared
-to ``ROUNDING``, and is told how far they are apart; all else stays to the last bit.
+Another kind of processor multiplies the filter's matrices with other instructions, and the last
+digits of estimates differ (an aarch64 Pi, an x86-64 laptop). On request, estimates are compared to
+``ROUNDING``, and the greatest difference is reported; all else is compared to the last bit.
 
-Where records are missing, the comparison goes on behind them if they can only have been outputs
-that the inputs before them made; else it ends there, and says so.
+After missing records the comparison continues if only outputs of the inputs before them can be
+missing. Else it ends there, and says so.
 
     ReplayError        (the operator must act: nothing to begin with, or from another version)
 
@@ -36,7 +36,7 @@ from mission.onboard.runtime import records as rec
 from mission.onboard.runtime.runtime import Runtime
 from mission.onboard.stream.events import frame_text
 
-ROUNDING = 1e-9  # of a number, or of 1 where it is smaller
+ROUNDING = 1e-9  # relative to a number, or to 1 if it is smaller
 
 
 class ReplayError(ValueError):
@@ -45,8 +45,8 @@ class ReplayError(ValueError):
 
 @dataclass(frozen=True, slots=True)
 class Divergence:
-    """The first record that is not the same. ``cause`` is the input that led to it; ``expected``
-    None: nothing was recorded there; ``actual`` None: nothing comes there now."""
+    """The first record that differs. ``cause``: the input that led to it. ``expected`` is None if
+    nothing was recorded there, ``actual`` if nothing comes there now."""
 
     number: int  # of the record in the recording, from 0
     cause: Record
@@ -60,34 +60,34 @@ class Divergence:
 
 @dataclass(frozen=True, slots=True)
 class Replayed:
-    records: int  # that were compared
+    records: int  # records compared
     inputs: int
     until: float  # s, the engine's time of the last one
-    version: str  # that recorded it
+    version: str  # the program that recorded it
     divergence: Divergence | None
-    gaps: tuple[Gap, ...] = ()  # all of the recording; behind ``until`` nothing was compared
-    beyond: int = 0  # whole records behind the gap that ended the comparison
-    rounded: int = 0  # estimates that are the same to rounding only
-    apart: float = 0.0  # by how much at most, as ``ROUNDING`` is
+    gaps: tuple[Gap, ...] = ()  # all gaps of the recording; after ``until`` nothing was compared
+    beyond: int = 0  # whole records after the gap that ended the comparison
+    rounded: int = 0  # estimates that are equal only to rounding
+    apart: float = 0.0  # their greatest difference, on the scale of ``ROUNDING``
 
     @property
     def identical(self) -> bool:
-        """All that was recorded is there, was compared, and is the same to the last bit."""
+        """All records are there, were compared, and are equal to the last bit."""
         return self.whole and not self.rounded
 
     @property
     def whole(self) -> bool:
-        """All that was recorded is there, was compared, and is the same as it was asked for."""
+        """All records are there, were compared, and are equal to the tolerance asked for."""
         return self.same and all(gap.whole for gap in self.gaps)
 
     @property
     def same(self) -> bool:
-        """As far as it could be compared."""
+        """No difference as far as records could be compared."""
         return self.divergence is None
 
 
 def replay(recording: Sequence[Record | Gap], rounded: bool = False) -> Replayed:
-    """``rounded``: estimates may differ by ``ROUNDING``. Raises ReplayError."""
+    """Replay a recording. ``rounded``: estimates may differ by ``ROUNDING``. Raises ReplayError."""
     records = [item for item in recording if isinstance(item, Record)]
     start = _start(recording)
     again = rec.ListRecorder()
@@ -99,7 +99,7 @@ def replay(recording: Sequence[Record | Gap], rounded: bool = False) -> Replayed
 
 
 class _Comparison:
-    """What the runtime records again, beside what was recorded."""
+    """The records that the runtime makes again, beside the recorded ones."""
 
     def __init__(
         self,
@@ -145,7 +145,7 @@ class _Comparison:
     def _compare(self, record: Record) -> Divergence | None:
         self._take()
         if record.kind in rec.INPUTS and record.kind != rec.STORE:
-            if self._produced:  # what came before this input has more than was recorded
+            if self._produced:  # the inputs before made more than was recorded
                 return Divergence(self._number, self._cause, record, self._produced[0])
             self._cause, self._inputs = record, self._inputs + 1
             feed(self._runtime, record)
@@ -172,7 +172,8 @@ class _Comparison:
         made.clear()
 
     def _passes(self, gap: Gap) -> bool:
-        """The comparison can go on behind it: what is missing are outputs that wait here."""
+        """Whether the comparison can continue after the gap: the missing records are outputs that
+        wait here."""
         self._take()
         if gap.records is None or gap.records > len(self._produced):
             return gap.cut
@@ -205,8 +206,8 @@ def _same(recorded: Record, now: Record) -> bool:
 
 
 def _apart(recorded: Record, now: Record) -> float:
-    """By how much the numbers of two estimates differ at most, each as a share of the greater one
-    or of 1; infinite if anything else does."""
+    """Return the greatest difference between the numbers of two estimates, each relative to the
+    greater number or to 1; infinite if anything else differs."""
     if not recorded.kind == now.kind == rec.ESTIMATE or not _same(
         recorded, replace(now, payload=recorded.payload)
     ):
@@ -264,7 +265,7 @@ def _not_compared(result: Replayed) -> Iterator[str]:
 
 
 def describe(record: Record | None) -> str:
-    """One record in one line: the bytes of what came and left, the JSON of what was decided."""
+    """Describe one record in one line: the bytes received or sent, the JSON of a decision."""
     if record is None:
         return "nothing"
     head = f"{record.kind} at {record.t:.6f} s:"
@@ -280,7 +281,7 @@ def describe(record: Record | None) -> str:
 
 
 def _fields(found: Divergence) -> list[str]:
-    """Of two JSON records, the fields that differ."""
+    """Return the fields in which two JSON records differ."""
     pair = (found.expected, found.actual)
     if any(r is None or r.kind not in (rec.STEP, rec.ESTIMATE) for r in pair):
         return []

@@ -1,8 +1,8 @@
-"""The same runtime again, from what is on record: the way back of records.
+"""Make the same runtime again from the records, and feed it the recorded inputs.
 
     start record --> runtime_from --> Runtime;  every input record, in order --> feed
 
-What does not live here: files (blackbox), the comparison with what came out then (replay).
+What does not live here: files (blackbox), the comparison with the recorded outputs (replay).
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from mission.onboard.store import MemoryStore
 
 
 def failed_writes(records: Iterable[Record]) -> dict[int, str]:
-    """Of the store, by their number: the runtime made again must meet them as well."""
+    """Return the store's failed writes by number: the new runtime must meet them as well."""
     texts = (rec.read_texts(record) for record in records if record.kind == rec.STORE)
     return {int(number): why for number, why in texts}
 
@@ -27,14 +27,14 @@ def runtime_from(
     recorder: rec.Recorder | None = None,
     observer: rec.Observer | None = None,
 ) -> Runtime:
-    """Raises ValueError where this version does not know the vehicle's codec or dialect."""
+    """Make a runtime. Raises ValueError if this version lacks the vehicle's codec or dialect."""
     store = MemoryStore(start.store, failures)
     kept = start.configuration, start.vehicle, store, recorder
     return Runtime(*kept, wall=start.wall, observer=observer)
 
 
 def feed(runtime: Runtime, record: Record) -> list[Tx]:
-    """One input; a record of another kind changes nothing."""
+    """Feed one input; a record of another kind changes nothing."""
     now = rec.read_time(record) if record.kind in rec.INPUTS else record.t
     if record.kind == rec.RX:
         return runtime.receive(rec.read_rx(record), now)

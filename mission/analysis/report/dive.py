@@ -1,4 +1,4 @@
-"""What a page shows of one recording: series of values, legs by time, the plan, the fixes."""
+"""The data of one recording on a page: series of values, legs by time, the plan, the fixes."""
 
 from __future__ import annotations
 
@@ -26,13 +26,13 @@ from mission.onboard.stream.derived import Derivation, Message
 from mission.onboard.stream.senses import Sensed, Senses
 from mission.onboard.stream.topics import FIX, PLAN, POSITION, STATE, TELEMETRY
 
-_BLINK_S = 0.05  # a leg that was over at once has no colour
+_BLINK_S = 0.05  # shorter legs get no colour
 Point = tuple[float, float]  # east, north of the origin, m
 
 
 @dataclass(frozen=True, slots=True)
 class Stay:
-    """In a leg, s."""
+    """Time in a leg, s."""
 
     leg: str
     begin: float
@@ -41,17 +41,17 @@ class Stay:
 
 @dataclass(slots=True)
 class Dive:
-    """Values as their topics say; ``smoothed`` is None where no fix gives the track a place.
-    ``notes``: what a simulation says of itself, seed and sea among it."""
+    """One recording. Values are as in their topics. ``smoothed`` is None if there is no fix to
+    place the track. ``notes``: a simulation's own notes, including seed and sea."""
 
     vehicle: Vehicle
     wall: float  # s since 1970 UTC at time 0
-    name: str = ""  # of its file
+    name: str = ""  # name of its file
     items: Sequence[Record | Gap] = ()
     notes: Mapping[str, str] = field(default_factory=dict)
-    missions: dict[str, None] = field(default_factory=dict)  # that were started, in order
+    missions: dict[str, None] = field(default_factory=dict)  # missions that were started, in order
     origin: Position | None = None
-    home: Position | None = None  # from where distances are told: of the first of its recordings
+    home: Position | None = None  # distances count from here: home of the first of its recordings
     states: list[Mapping[str, Any]] = field(default_factory=list)
     telemetry: list[Mapping[str, Any]] = field(default_factory=list)
     fixes: list[Mapping[str, Any]] = field(default_factory=list)
@@ -59,25 +59,25 @@ class Dive:
     covariances: list[tuple[float, Array]] = field(default_factory=list)  # of north and east, m^2
     standing: list[rec.Standing] = field(default_factory=list)
     plan: list[dict[str, Any]] = field(default_factory=list)
-    moves: list[tuple[float, str]] = field(default_factory=list)  # when which leg began, "" none
+    moves: list[tuple[float, str]] = field(default_factory=list)  # begin of each leg; "" for none
     spells: Sequence[Spell] = ()  # of sensors that could not be believed
-    story: Sequence[Chapter] = ()  # what happened first, then the tables
+    story: Sequence[Chapter] = ()  # the events first, then the tables
     smoothed: Track | None = None
-    goes_on: bool = False  # of the dive before: the program began again, and no mission was started
+    goes_on: bool = False  # continues the dive before: the program restarted, no mission started
 
     @property
     def is_tracked(self) -> bool:
-        """Its vehicle tells where it is or where it heads; else the estimate stays at home."""
+        """Whether the vehicle reports position or heading; else the estimate stays at home."""
         known = any(state["north_m"] is not None for state in self.states)
         return known and bool(self.vehicle.reports & TRACKED_BY)
 
     def series(self, values: Sequence[Mapping[str, Any]], name: str) -> tuple[Array, Array]:
-        """Times and values, NaN where nothing is known."""
+        """Return times and values; NaN if not known."""
         told = [np.nan if one[name] is None else one[name] for one in values]
         return np.array([one["t"] for one in values]), np.array(told, dtype=float)
 
     def stays(self) -> list[Stay]:
-        """From step to step; without a step on record, from report to report."""
+        """Return the legs from step to step; if no step is recorded, from report to report."""
         if not self.moves:
             return self._reported_stays()
         end = max(self.states[-1]["t"] if self.states else 0.0, self.moves[-1][0])
@@ -134,9 +134,9 @@ class Dive:
         vehicle: Vehicle | None,
         home: Position | None = None,
     ) -> Dive:
-        """``vehicle`` instead of the one on record, for smoothing; ``home``: of the recording
-        before, where the program only began again. Raises ValueError, KeyError or TypeError for a
-        start record of no version that can be read."""
+        """Make a dive. ``vehicle``: used for smoothing instead of the recorded one. ``home``: that
+        of the recording before, if the program only restarted. Raises ValueError, KeyError or
+        TypeError for a start record of a version that cannot be read."""
         start = start_of(items)
         if start is None:
             raise ValueError("there is no whole start record, so nothing says what vehicle it is")
@@ -164,8 +164,8 @@ class Dive:
 def dives_of(
     files: Sequence[Path], vehicle: Vehicle | None = None, notes: Mapping[str, str] | None = None
 ) -> list[Dive]:
-    """Each recording once, in the order of their starts. ``notes`` go beside those of the files.
-    Raises BlackBoxError, and ValueError, KeyError or TypeError as Dive.of."""
+    """Read each recording once, sorted by their starts. ``notes`` are added to those of the files.
+    Raises BlackBoxError, and ValueError, KeyError or TypeError as Dive.of does."""
     read = [(path, recordings([path])[0]) for path in dict.fromkeys(map(first_part, files))]
     found: list[Dive] = []
     for path, items in sorted(read, key=lambda one: began(one[1])):

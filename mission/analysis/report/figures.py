@@ -1,4 +1,4 @@
-"""Pictures of a dive as SVG to stand in a page, and as files of their own.
+"""Pictures of a dive as SVG in a page, and as separate files.
 
 matplotlib is imported when a picture is drawn, with the Agg back end: no display is needed.
 """
@@ -27,30 +27,30 @@ from mission.navigation.filter import Array
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-Rows = Sequence[tuple[str, str]]  # a field of a topic; its name, or its unit
+Rows = Sequence[tuple[str, str]]  # a topic's field, and its name or unit
 
 _ATTITUDE: Rows = (("heading_deg", "heading"), ("pitch_deg", "pitch"), ("roll_deg", "roll"))
 _BATTERIES: Rows = (("control_v", "control"), ("power_v", "power"))
 _SENSORS: Rows = (("altitude_m", "altitude, m"), ("temperature_c", "temperature, \u00b0C"))
 _MARGINS = (("to_depth_m", "m"), ("to_radius_m", "m"), ("to_time_s", "s"), ("to_voltage_v", "V"))
-_NOTICED_S = 0.5  # after a report came: then its sensor is looked at
-_APART = 0.025  # of the time: two numbers of legs
+_NOTICED_S = 0.5  # after a report: when its sensor's health is checked
+_APART = 0.025  # of the time axis: least distance of two leg numbers
 
 
 @dataclass(frozen=True, slots=True)
 class Picture:
-    """``size`` in inches; ``draw`` gets as many axes as there are rows."""
+    """``size`` in inches; ``draw`` gets ``rows`` axes."""
 
     name: str
     caption: str
     rows: int
     size: tuple[float, float]
     draw: Callable[[Any], None]
-    box: str | None = None  # "tight" where its frame leaves room beside it
+    box: str | None = None  # "tight" if its frame leaves space beside it
 
 
 def pictures_of(dive: Dive) -> Iterator[Picture]:
-    """Those that the dive has something for."""
+    """Yield the pictures for which the dive has data."""
     if dive.is_tracked:
         yield map_of(dive)
     if any(state["depth_m"] is not None for state in dive.states):
@@ -87,13 +87,13 @@ def map_of(dive: Dive) -> Picture:
 
 
 def _acts(dive: Dive, margin: str) -> bool:
-    """It is a margin that is known, to a limit that can act."""
+    """Whether the margin is known and its limit can act."""
     limit = LIMITS[margin.removeprefix("to_").rpartition("_")[0]]
     return not limit.disarmed(dive.vehicle) and any(s[margin] is not None for s in dive.states)
 
 
 def _values_of(dive: Dive, name: str, rows: Rows, unit: str) -> Iterator[Picture]:
-    """Of those rows that the vehicle has said anything of."""
+    """Yield a picture of those rows that the vehicle reported."""
     said = [row for row in rows if any(one[row[0]] is not None for one in dive.telemetry)]
     if said:
         caption, size = f"{name.capitalize()}.", (9.0, 1.4 * len(said))
@@ -101,10 +101,10 @@ def _values_of(dive: Dive, name: str, rows: Rows, unit: str) -> Iterator[Picture
 
 
 def save(picture: Picture, path: Path, title: str) -> None:
-    """As its suffix says: PNG, PDF or SVG."""
+    """Save as PNG, PDF or SVG, by the suffix."""
     figure, axes = _figure(picture.rows, picture.size)
     picture.draw(axes)
-    axes[0].set_title(plain(title), fontsize=9, pad=14)  # above the legs' numbers
+    axes[0].set_title(plain(title), fontsize=9, pad=14)  # above the leg numbers
     figure.savefig(path, dpi=200, bbox_inches="tight")
 
 
@@ -118,7 +118,7 @@ def _figure(rows: int, size: tuple[float, float]) -> tuple[Any, Any]:
 
 
 def as_svg(picture: Picture) -> str:
-    """Without prolog, metadata and name spaces, which a page of HTML does not need."""
+    """Return SVG without prolog, metadata and name spaces, which an HTML page does not need."""
     import matplotlib as mpl
 
     figure, axes = _figure(picture.rows, picture.size)
@@ -159,7 +159,7 @@ def _depth(axes: Axes, dive: Dive) -> None:
 
 
 def reports_of_depth(dive: Dive) -> list[Mapping[str, Any]]:
-    """Those that could be believed."""
+    """Return the reports whose depth could be believed."""
     last = dive.telemetry[-1]["t"] if dive.telemetry else 0.0
     doubted = [
         (one.begin - _NOTICED_S, one.end - _NOTICED_S if one.end < last else np.inf)
@@ -170,7 +170,7 @@ def reports_of_depth(dive: Dive) -> list[Mapping[str, Any]]:
 
 
 def parted(t: Array, values: Array) -> tuple[Array, Array]:
-    """With a gap in the line where nothing came for long."""
+    """Put a gap into the line where no report came for long."""
     silent = np.flatnonzero(np.diff(t) > SILENT_S) + 1
     return np.insert(t, silent, t[silent]), np.insert(values, silent, np.nan)
 
@@ -186,7 +186,8 @@ def _margins(axes: Sequence[Axes], dive: Dive, known: Rows) -> None:
 
 
 def _bounds(dive: Dive, margin: str) -> tuple[float, float]:
-    """Of the axis: the limit that was in force last, so that one of before does not flatten it."""
+    """Return the bounds of the axis, by the last limit in force: an earlier one must not flatten
+    it."""
     _, left = dive.series(dive.states, margin)
     known = left[np.isfinite(left)]
     limit = margin.removeprefix("to_").rpartition("_")[0]
@@ -208,7 +209,7 @@ def _values(axes: Sequence[Axes], dive: Dive, rows: Rows, unit: str) -> None:
 
 
 def thrusters_of(dive: Dive) -> list[str]:
-    """The names of those that it reports; rudders and servos come behind them."""
+    """Return the names of the reported thrusters; rudders and servos follow them in the reports."""
     said: Mapping[str, float] = next(
         (one["actuators"] for one in dive.telemetry if one["actuators"]), {}
     )
@@ -216,7 +217,7 @@ def thrusters_of(dive: Dive) -> list[str]:
 
 
 def _thrusters(axes: Axes, dive: Dive) -> None:
-    """Each a little above the one before, or those that do the same would hide each other."""
+    """Draw each line a little above the one before: equal ones would hide each other."""
     for number, name in enumerate(thrusters_of(dive)):
         told = [{"t": one["t"], name: one["actuators"].get(name)} for one in dive.telemetry]
         t, share = parted(*dive.series(told, name))
@@ -227,7 +228,7 @@ def _thrusters(axes: Axes, dive: Dive) -> None:
 
 
 def unbroken(heading: Array) -> Array:
-    """Degrees, about 0 or from 0 to 360, as they lie closer together."""
+    """Return degrees from -180 to 180 or from 0 to 360, whichever keeps them closer together."""
     about, whole = (heading + 180.0) % 360.0 - 180.0, heading % 360.0
     known = np.isfinite(heading)
     closer = known.any() and np.ptp(about[known]) <= np.ptp(whole[known])

@@ -1,7 +1,8 @@
 """The map of a dive: plan, track by legs, fixes, some 95 % ellipses, scale, graticule, north.
 
-The track and the plan's lines fill the frame; of a plan that was not flown to its end only what is
-near the track. The size of an ellipse that would bury them is in the page's figures.
+The track and the lines of the plan fill the frame. Of a plan that was not flown to its end, only
+the part near the track does. An ellipse that would hide them is left out; its size is in the page's
+figures.
 """
 
 from __future__ import annotations
@@ -30,14 +31,14 @@ _PALETTE = (
 _PLAN, _SMOOTHED, _FIX, _AREA = "#888888", "#222222", "#117733", "#aa4400"
 _DISC = {"boxstyle": "circle,pad=0.15", "fc": "w", "lw": 0.5}
 _ELLIPSES, _ELLIPSE = 10, "#555555"
-_MARGIN, _NARROWEST = 0.08, 0.6  # of the frame, of its long side
-_SMALLEST = 10.0  # m, that a frame shows
-_NEAR = 0.5  # of the track's long side: so far beside it the plan widens the frame
+_MARGIN, _NARROWEST = 0.08, 0.6  # share of the frame; share of its long side
+_SMALLEST = 10.0  # m: the smallest frame
+_NEAR = 0.5  # of the track's long side: the plan widens the frame by so much
 
 
 @dataclass(frozen=True, slots=True)
 class Mark:
-    """How a leg is found: there are more legs than colours that can be told apart."""
+    """How a leg is marked: there are more legs than distinguishable colours."""
 
     number: int
     colour: str
@@ -53,7 +54,7 @@ def marks_of(stays: Sequence[Stay]) -> Mapping[str, Mark]:
 
 
 def draw_map(axes: Axes, dive: Dive) -> None:
-    """Metres from home on the axes, degrees on the lines of the graticule."""
+    """Draw metres from home on the axes, degrees on the lines of the graticule."""
     t, north = dive.series(dive.states, "north_m")
     _, east = dive.series(dive.states, "east_m")
     lines = _plan(axes, dive)
@@ -89,15 +90,15 @@ def draw_map(axes: Axes, dive: Dive) -> None:
 
 
 def flown_of(dive: Dive) -> list[Point]:
-    """The estimated and the smoothed track."""
+    """Return the estimated and the smoothed track."""
     states = [state for state in dive.states if state["north_m"] is not None]
     flown = [(state["east_m"], state["north_m"]) for state in states]
     return flown + ([(e, n) for n, e in dive.smoothed.smoothed] if dive.smoothed else [])
 
 
 def near(flown: Sequence[Point], plan: Sequence[Point], share: float = _NEAR) -> list[Point]:
-    """The plan, drawn in to what is near the track (``share`` of its long side); all of it where
-    there is none."""
+    """Clip the plan to the area near the track (``share`` of its long side); without a track return
+    all of it."""
     if not flown or not plan:
         return list(plan)
     low, high = np.min(flown, axis=0), np.max(flown, axis=0)
@@ -106,7 +107,7 @@ def near(flown: Sequence[Point], plan: Sequence[Point], share: float = _NEAR) ->
 
 
 def goes_on(dive: Dive) -> bool:
-    """Whether the plan leads beyond the frame."""
+    """Whether the plan extends beyond the frame."""
     flown = flown_of(dive)
     for by, share in ((PLACES, _NEAR), (HEADING, _MARGIN)):
         plan = [point for line in planned(dive, [by]) for point in line]
@@ -116,7 +117,7 @@ def goes_on(dive: Dive) -> bool:
 
 
 def planned(dive: Dive, by: Sequence[str] = (PLACES, HEADING)) -> list[list[Point]]:
-    """The lines of its legs; ``by`` what they go."""
+    """Return the lines of the plan's legs; ``by``: kinds of legs (to places, by heading)."""
     if dive.origin is None:
         return []
     lines = [
@@ -130,8 +131,8 @@ def planned(dive: Dive, by: Sequence[str] = (PLACES, HEADING)) -> list[list[Poin
 
 
 def _plan(axes: Axes, dive: Dive) -> list[list[Point]]:
-    """What fills the frame: lines to places, and what is covered; what is kept in or out need not,
-    nor where the current would have had to be none."""
+    """Draw the plan. Return what must fit into the frame: lines to places, and covered areas; not
+    areas to stay in or out of, nor lines by heading, which assume that there is no current."""
     covered: list[list[Point]] = []
     for feature in dive.plan:
         form, said = feature["geometry"], feature["properties"]
@@ -164,7 +165,7 @@ def _track(axes: Axes, dive: Dive, t: Array, places: Array) -> None:
 
 
 def _number(axes: Axes, dive: Dive, t: Array, places: Array, width: float) -> None:
-    """Each leg's number on its first way."""
+    """Write each leg's number at its first stretch."""
     found: list[tuple[Point, int]] = []
     stays = {stay.leg: stay for stay in reversed(dive.stays())}
     for leg, mark in marks_of(dive.stays()).items():
@@ -193,7 +194,8 @@ def _ellipses(axes: Axes, dive: Dive, t: Array, places: Array, width: float) -> 
 
 
 def _frame(axes: Axes, shown: Sequence[Point]) -> float:
-    """Around what is shown; returns its long side, m. The short one has room for its labels."""
+    """Fit the frame around ``shown``; return its long side, m. The short side has space for
+    labels."""
     low, high = np.min(shown, axis=0), np.max(shown, axis=0)
     spans = np.maximum(high - low, _SMALLEST) * (1 + 2 * _MARGIN)
     east, north = np.maximum(spans, _NARROWEST * np.max(spans)) / 2.0
@@ -205,7 +207,7 @@ def _frame(axes: Axes, shown: Sequence[Point]) -> float:
 
 
 def _graticule(axes: Axes, frame: LocalFrame, width: float) -> None:
-    """Whole steps of latitude and longitude, two to five of each."""
+    """Draw latitude and longitude at round steps, two to five lines of each."""
     (west, east), (south, north) = axes.get_xlim(), axes.get_ylim()
     corners = np.degrees([frame.to_geodetic(south, west), frame.to_geodetic(north, east)])
     for axis, (low, high) in enumerate(corners.T):
@@ -223,7 +225,7 @@ def _graticule(axes: Axes, frame: LocalFrame, width: float) -> None:
 
 
 def _scale(axes: Axes, width: float, shown: Sequence[Point]) -> None:
-    """In that corner where least is shown."""
+    """Draw the scale in the least crowded corner."""
     length, room = _step(width / 5.0), 0.04 * width
     (left, right), (bottom, top) = axes.get_xlim(), axes.get_ylim()
     far, high = right - room - length, top - 2.0 * room
@@ -240,13 +242,13 @@ def _scale(axes: Axes, width: float, shown: Sequence[Point]) -> None:
 
 
 def _step(about: float) -> float:
-    """1, 2 or 5 times a power of ten, not more than ``about``."""
+    """Return 1, 2 or 5 times a power of ten, at most ``about``."""
     power = 10.0 ** math.floor(math.log10(about))
     return float(next(m for m in (5.0, 2.0, 1.0) if m * power <= about * (1 + 1e-9)) * power)
 
 
 def plain(text: str) -> str:
-    """Nothing that matplotlib takes for mathematics."""
+    """Escape what matplotlib takes for mathematics."""
     return text.replace("$", r"\$")
 
 

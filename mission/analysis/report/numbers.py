@@ -1,4 +1,4 @@
-"""Numbers of legs on a picture: those that would cover one another are told in one place.
+"""Numbers of legs on a picture: numbers that would overlap are written together.
 
 What does not live here: which leg has which number (map.marks_of).
 """
@@ -8,11 +8,11 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 
 Point = tuple[float, float]
-_DIGIT, _DISC = 0.012, 0.035  # of a map's long side: a character's width, a disc's
+_DIGIT, _DISC = 0.012, 0.035  # of a map's long side: widths of a character and of a disc
 
 
 def as_runs(numbers: Iterable[int]) -> str:
-    """1, 2, 3 and 5 as ``1–3, 5``."""
+    """Write 1, 2, 3 and 5 as ``1–3, 5``."""
     runs: list[list[int]] = []
     for number in sorted(set(numbers)):
         if runs and number == runs[-1][-1] + 1:
@@ -29,7 +29,8 @@ def _run(run: list[int]) -> str:
 
 
 def along(places: Iterable[tuple[float, int]], apart: float) -> Iterator[tuple[float, str]]:
-    """Of numbers over an axis, in their order: those nearer than ``apart`` to the one before."""
+    """Group numbers over an axis, in order: a number nearer than ``apart`` joins the one before
+    it."""
     group: list[tuple[float, int]] = []
     for place, number in places:
         if group and place - group[-1][0] >= apart:
@@ -45,7 +46,8 @@ def _middle(group: list[tuple[float, int]]) -> tuple[float, str]:
 
 
 def around(places: Iterable[tuple[Point, int]], width: float) -> Iterator[tuple[Point, str]]:
-    """Of numbers on a map whose long side is ``width``: those that the ones before would cover."""
+    """Group numbers on a map with the long side ``width``: those that an earlier one would
+    cover."""
     groups: list[tuple[Point, list[int]]] = []
     for (east, north), number in places:
         for (at_east, at_north), numbers in groups:

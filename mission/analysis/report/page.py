@@ -1,4 +1,6 @@
-"""The page: pictures and figures of each recording, and the story. It asks no other host."""
+"""The page: pictures and figures of each recording, and the story. It loads nothing from other
+hosts.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +15,7 @@ from mission.analysis.tell import html_body, page, printable
 
 
 def report_page(dives: Sequence[Dive]) -> str:
-    """Of each dive what happened, then its pictures, then the tables of its story."""
+    """Write for each dive its events, its pictures, then the tables of its story."""
     parts = []
     for number, dive in enumerate(dives, 1):
         if number > 1:
@@ -25,7 +27,7 @@ def report_page(dives: Sequence[Dive]) -> str:
 
 
 def _heading(dives: Sequence[Dive], number: int) -> str:
-    """Dives are counted; what was recorded after the program only began again is of the same."""
+    """Count dives; a recording after a mere restart of the program belongs to the same dive."""
     dive, firsts = dives[number - 1], [one for one in dives if not one.goes_on]
     if dive.goes_on:
         return f"The same dive, after the program began again: {headline(dive)}"

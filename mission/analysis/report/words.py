@@ -1,4 +1,4 @@
-"""What a page says beside pictures and story: which dive it is, and what the smoother found."""
+"""Texts of a page beside pictures and story: which dive it is, and the smoother's results."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ def headline(dive: Dive) -> str:
 
 
 def day(dives: list[Dive]) -> str:
-    """Of one dive its headline, of several from when to when they began."""
+    """Return the headline of one dive; for several, when the first and the last began."""
     if len(dives) == 1:
         return headline(dives[0])
     count = sum(not dive.goes_on for dive in dives)
@@ -26,12 +26,12 @@ def day(dives: list[Dive]) -> str:
 
 
 def source(dive: Dive) -> str:
-    """The file it is from; of a simulation its sea and seed."""
+    """Return the name of its file; for a simulation also sea and seed."""
     return ", ".join(filter(None, (dive.name, simulated(dive))))
 
 
 def simulated(dive: Dive) -> str:
-    """Empty for a dive that was none."""
+    """Describe the simulation; "" for a real dive."""
     notes = dive.notes
     if "seed" not in notes:
         return ""
@@ -44,7 +44,8 @@ def _begun(dive: Dive) -> str:
 
 
 def figures(dive: Dive) -> dict[str, Any] | None:
-    """The smoother's figures, as ``report --json`` prints them; None without a smoothed track."""
+    """Return the smoother's figures as ``report --json`` prints them; None without a smoothed
+    track."""
     import numpy as np
 
     if (track := dive.smoothed) is None:
@@ -80,7 +81,7 @@ def figures(dive: Dive) -> dict[str, Any] | None:
 
 
 def track_words(dive: Dive) -> str:
-    """The same as lines."""
+    """Return the same as lines."""
     if (f := figures(dive)) is None:
         return "track      there is no fix of a receiver: no smoothed track"
     apart, radius = f["filtered_from_smoothed_m"], f["smoothed_radius_95_m"]

@@ -5,6 +5,8 @@ What does not live here: the bounds of a leg that ascends by itself (bounds.py).
 
 from __future__ import annotations
 
+import math
+
 from mission.authoring.check.assumptions import (
     ASCENT_TRIES,
     OVERSHOOT,
@@ -40,8 +42,10 @@ def ascent_time(depth: float, vehicle: Vehicle) -> float:
 
 def dark_time(vehicle: Vehicle) -> float:
     """s more if no depth is believed: fixes prove the surface only after the rise from the greatest
-    depth of the vehicle (R7). 0 for a vehicle that reports no depth. A vehicle without a receiver
-    never proves the surface in this way."""
+    depth of the vehicle (R7). 0 for a vehicle that reports no depth, inf for one that reports no
+    position: only an operator ends its ascent."""
     if "depth" not in vehicle.reports:
         return 0.0
+    if "position" not in vehicle.reports:
+        return math.inf
     return vehicle.limits.depth / vehicle.ascent_buoyancy + SETTLED

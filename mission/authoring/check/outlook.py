@@ -89,7 +89,7 @@ def outlooks(
     """Three tables by the paths of legs; of rounds the worst counts. Raises TooManyError.
 
     1. The rows of each leg of rows. 2. For each leg, the radius in m that contains 95 % of dives at
-    its begin or its end (the larger). 3. For each leg whose clock may end it too early, the s that
+    its end. 3. For each leg whose clock may end it too early, the s that
     95 % of dives need with the current from the worst direction (inf: the leg never arrives).
     """
     course = _Course(mission, vehicle)
@@ -203,12 +203,10 @@ class _Course:
             self.found.setdefault(path, Expected(pattern))
         self._clock = node.duration or node.timeout or 0.0
         parts = LEGS[type(node.kind)].parts(node) or (node,)
-        before = radius_95(self._drift.place)
         for part in self._flown(parts):
             self._hold(part.settings)
             self._leg(part, path)
-        after = radius_95(self._drift.place)
-        self.errors[path] = max(before, after, self.errors.get(path, 0.0))
+        self.errors[path] = max(radius_95(self._drift.place), self.errors.get(path, 0.0))
 
     def _hold(self, settings: tuple[Setting, ...]) -> None:
         given = {setting.word: setting.value for setting in settings}

@@ -31,7 +31,7 @@ def as_object(report: Report) -> dict[str, Any]:
             "max_depth_m": round(proved.max_depth, 1),
             "blind_depth_m": round(proved.blind_depth, 1),
             "blind_time_s": round(proved.blind_time, 1),
-            "dark_time_s": round(proved.dark_time, 1),
+            "dark_time_s": round(proved.dark_time, 1) if math.isfinite(proved.dark_time) else None,
             "uncertainty_m": round(proved.uncertainty, 1),
             "worst_path": list(proved.path),
         },
@@ -78,6 +78,16 @@ def unreadable_object(found: Iterable[Diagnostic]) -> dict[str, Any]:
     }
 
 
+def _without_a_depth(more: float) -> str:
+    """How much longer the ascent takes if no depth is believed: ``more`` s."""
+    if not more:
+        return ""
+    if math.isinf(more):
+        return " (without a believed depth until an X: nothing reports a position)"
+    minutes = f"{more / 60:.1f} min"
+    return f" (without a believed depth up to {minutes} more until fixes prove the surface)"
+
+
 def as_text(source: str, report: Report, digest: str) -> str:
     """The report as text. ``digest``: of the canonical text; its first part is shown, as the
     vehicle reports it."""
@@ -88,8 +98,7 @@ def as_text(source: str, report: Report, digest: str) -> str:
             "proved" if report.ok else "found",
             f"  states and transitions  {proved.states}, {proved.transitions}",
             f"  worst-case time         {proved.worst_time / 60:.1f} min, the ascent included"
-            f" (without a believed depth up to {proved.dark_time / 60:.1f} min more until fixes"
-            " tell it that it is up)",
+            + _without_a_depth(proved.dark_time),
             f"  worst-case energy       {proved.worst_energy / 3600:.0f} Wh",
             f"  greatest range          {proved.max_range:.0f} m from home",
             f"  greatest depth          {proved.max_depth:.1f} m"

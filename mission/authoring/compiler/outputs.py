@@ -59,14 +59,10 @@ def output_problems(node: Leg | Set, vehicle: Vehicle) -> Iterator[Diagnostic]:
             yield _problem("unknown-output", given, message, f"its file names: {there}")
         elif output.irreversible:
             message = f"{given.name} cannot be taken back: it is no part of a mission"
-            yield _problem(
-                "irreversible", given, message, "the operator sets it: auvmission output"
-            )
+            yield _problem("irreversible", given, message, _BY_HAND)
         elif output.needed:
             message = f"no mission may set {given.name}: {output.needed}"
-            yield _problem(
-                "needed-output", given, message, "the operator sets it: auvmission output"
-            )
+            yield _problem("needed-output", given, message, _BY_HAND)
         elif fault := output.fault(given.value):
             yield _problem(
                 "output-range", given, fault, f"as the vehicle file of {vehicle.name} says"

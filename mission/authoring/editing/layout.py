@@ -18,6 +18,7 @@ from yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
 from mission.authoring.editing.handles import Handle, Lines
 from mission.authoring.language.clauses import AreaText, Coordinates, LegText, Offset, PlaceText
 from mission.authoring.language.clauses import Places as Row
+from mission.authoring.language.lines import code_and_comment
 from mission.authoring.language.values import whole_place
 from mission.model import Where
 from mission.model.yaml_tree import tree
@@ -71,7 +72,7 @@ class LineLayout:
 
     def _raw(self, line: int) -> str:
         text = self.text[self.lines.start(line) : self.lines.end(line)]
-        return text.split("#", 1)[0]
+        return code_and_comment(text)[0]
 
     def _code(self, line: int) -> str:
         return self._raw(line).strip()

@@ -17,6 +17,7 @@ from mission.model.extent import CODE, STATEMENT
 
 _PARAMETER = re.compile(r"param\s+([A-Za-z_][\w-]*)\b")
 _NAMED = re.compile(r"([A-Za-z_][\w-]*)\s*:")
+_CODE = re.compile(r'(?:"[^"]*"|[^"#]|"(?=[^"]*$))*')
 
 
 def statements(text: str, problems: Diagnostics) -> Iterator[Statement]:
@@ -95,7 +96,13 @@ def _strips(text: str, problems: Diagnostics) -> Iterator[Strip]:
 def _code(text: str) -> Iterator[tuple[int, int, str]]:
     """Line number, column and code of each line that has code."""
     for number, raw in enumerate(text.split("\n"), 1):
-        code = raw.split("#", 1)[0].rstrip()
+        code = code_and_comment(raw)[0].rstrip()
         content = code.lstrip()
         if content:
             yield number, len(code) - len(content) + 1, content
+
+
+def code_and_comment(line: str) -> tuple[str, str]:
+    """Split a line where its comment begins: at the first `#` that is not in a quoted path."""
+    end = _CODE.match(line).end()  # type: ignore[union-attr]  # the empty text matches
+    return line[:end], line[end:]

@@ -271,7 +271,7 @@ def _group() -> Schema:
 
 def _handlers() -> Schema:
     when = _ref("guard", "a guard; or uncertain, timeout for the whole mission")
-    held = _quantity("s", "how long it must hold without a gap")
+    held = _quantity("s", "how long it must hold; a second in which it does not takes back two")
     do = _ref("target", "where to go")
     handler = _object({"when": when, "held": held, "do": do}, "a handler", ("when", "do"))
     return {"type": "array", "minItems": 1, "items": handler}

@@ -1,7 +1,7 @@
 """Electronic charts of S-57 as GeoJSON that ``--chart`` shows: coasts, land, depths and dangers.
 
-GDAL reads them (the extra [chart]), with the updates (.001, .002, ...) that lie beside the cell.
-Depths are below the chart's own datum, which the tide comes on top of.
+GDAL reads them (the extra [chart]), with the updates (.001, .002, ...) in the same folder as the
+cell. Depths are below the chart's own datum; the tide adds to them.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from typing import Any
 from mission.console.charts.gdal import features
 from mission.console.charts.layer import ChartError
 
-# object classes of S-57, the lowest first: what is drawn later lies above
+# object classes of S-57, the lowest first: later ones are drawn above
 CLASSES = {
     "LNDARE": "land", "DEPARE": "depth area", "DRGARE": "dredged area", "DEPCNT": "depth contour",
     "SLCONS": "built shore", "COALNE": "coast", "SOUNDG": "sounding", "OBSTRN": "obstruction",
@@ -24,7 +24,7 @@ CLASSES = {
 }  # fmt: skip
 DANGERS = ("OBSTRN", "WRECKS", "UWTROC")
 DEPTHS = ("DRVAL1", "DRVAL2", "VALDCO", "VALSOU", "DEPTH")
-# SDAT of S-57, from 1
+# values of SDAT of S-57, from 1
 DATUMS = (
     "mean low water springs", "mean lower low water springs", "mean sea level", "lowest low water",
     "mean low water", "lowest low water springs", "approximate mean low water springs",
@@ -42,8 +42,8 @@ SPLIT = {"SPLIT_MULTIPOINT": "ON", "ADD_SOUNDG_DEPTH": "ON"}
 
 @dataclass(frozen=True, slots=True)
 class Converted:
-    """``counts``: of each kind, in words; ``scale``: 1 : so much; ``doubts``: what GDAL could not
-    make out, and went on without."""
+    """``counts``: of each kind, in words. ``scale``: 1 : scale. ``doubts``: what GDAL could not
+    read and skipped."""
 
     geojson: dict[str, Any]
     counts: Counter[str]
@@ -53,7 +53,8 @@ class Converted:
 
 
 def convert(cell: Path) -> Converted:
-    """Raises ChartError, also where the cell's places or depths are no degrees of WGS 84 or m."""
+    """Convert a cell. Raises ChartError, also if its positions are not in WGS 84 or its depths not
+    in m."""
     with warnings.catch_warnings(record=True) as seen:
         warnings.simplefilter("always", RuntimeWarning)
         about = _about(cell)
@@ -69,7 +70,8 @@ def convert(cell: Path) -> Converted:
 
 
 def _about(cell: Path) -> dict[str, Any]:
-    """The cell's identification record (DSID), with depths and heights in m. Raises ChartError."""
+    """Return the cell's identification record (DSID), with depths and heights in m. Raises
+    ChartError."""
     first = next(features(cell, "DSID"), None)
     if first is None:
         raise ChartError(f"{cell.name}: its first record is cut short: fetch the cell again")
@@ -94,7 +96,7 @@ def _found(cell: Path) -> Iterator[dict[str, Any]]:
 
 
 def _said(name: str, said: dict[str, Any]) -> dict[str, Any]:
-    """By the names that charts of shapes know (shapes.py)."""
+    """Rename the attributes to the names that charts of shapes use (shapes.py)."""
     own = said.get("OBJNAM")
     label = own if isinstance(own, str) and own else CLASSES[name] if name in DANGERS else ""
     depths = {key: float(said[key]) for key in DEPTHS if _is_given(said.get(key))}
@@ -102,4 +104,4 @@ def _said(name: str, said: dict[str, Any]) -> dict[str, Any]:
 
 
 def _is_given(value: Any) -> bool:
-    return value is not None and value == value  # nan is none
+    return value is not None and value == value  # NaN is no value

@@ -1,6 +1,6 @@
-"""What GDAL reads for us: a layer of a file as GeoJSON geometries, each with its attributes.
+"""Reading by GDAL: a layer of a file as GeoJSON geometries, each with its attributes.
 
-It comes with the extra [chart] (pyogrio); nothing else of the program needs it.
+GDAL comes with the extra [chart] (pyogrio); nothing else in the program needs it.
 """
 
 from __future__ import annotations
@@ -16,8 +16,8 @@ EXTRA = "charts of others need an extra: pip install 'auvmission[chart]'"
 
 
 def features(path: Path, layer: str | None = None, **options: str) -> Iterator[dict[str, Any]]:
-    """Of the first layer where none is named; longitude and latitude alone, to 1 cm. ``options``:
-    of GDAL's driver. Raises ChartError, also for what is damaged."""
+    """Yield the features of a layer, by default the first; longitude and latitude only, to 1 cm.
+    ``options``: of GDAL's driver. Raises ChartError, also for damaged files."""
     try:
         from pyogrio import errors, raw
         from shapely.errors import ShapelyError
@@ -36,7 +36,7 @@ def features(path: Path, layer: str | None = None, **options: str) -> Iterator[d
 
 
 def _flat(shapes: Any) -> Any:
-    """GeoJSON of each."""
+    """Return GeoJSON of each shape."""
     import shapely
 
     seen = shapely.force_2d(shapely.from_wkb(shapes))

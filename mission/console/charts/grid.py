@@ -1,6 +1,6 @@
-"""A grid of depths, or soundings gathered into one: what the check reads, too (bathymetry).
+"""A grid of depths, or soundings collected into one, as the check reads it (bathymetry).
 
-Of a cell the page is told the shallowest depth.
+The page gets the shallowest depth of each cell.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""A layer of the chart: what the page is told of it, what it loads, and its tiles."""
+"""A layer of the chart: its description for the page, its data, and its tiles."""
 
 from __future__ import annotations
 
@@ -10,17 +10,17 @@ from typing import Any, Literal
 
 Kind = Literal["shapes", "picture", "tiles", "depths"]
 Bounds = tuple[float, float, float, float]  # west, south, east, north, degrees
-Tile = Callable[[int, int, int], bytes | None]  # of zoom, column, row from the north
-MOST = 64 << 20  # bytes of a file that is read as a whole
+Tile = Callable[[int, int, int], bytes | None]  # arguments: zoom, column, row from the north
+MOST = 64 << 20  # bytes of a file that is read as a whole, at most
 
 
 class ChartError(ValueError):
-    """Says which file, where, what, and what instead."""
+    """The message names the file, the place in it, what is wrong, and a remedy."""
 
 
 @dataclass(frozen=True, slots=True)
 class Layer:
-    """``data`` with its ``media`` type is what the page loads at once; ``more`` what its kind says
+    """``data``, of type ``media``: what the page loads at once. ``more``: fields of its kind
     (docs/design/console.md)."""
 
     name: str
@@ -61,8 +61,8 @@ def text(path: Path) -> str:
 
 
 def degrees(where: str, latitude: float, longitude: float) -> None:
-    """Raises ChartError, e.g. for metres of a projection."""
-    if not (abs(latitude) <= 90 and abs(longitude) <= 180):  # nan is not, either
+    """Raises ChartError unless both are degrees, e.g. for metres of a projection."""
+    if not (abs(latitude) <= 90 and abs(longitude) <= 180):  # also true for NaN
         raise ChartError(
             f"{where}: latitude {latitude:g}, longitude {longitude:g}: degrees of WGS 84 are "
             "needed; bring the file to EPSG:4326 first"
@@ -70,7 +70,7 @@ def degrees(where: str, latitude: float, longitude: float) -> None:
 
 
 def around(places: Iterable[tuple[float, float]]) -> Bounds:
-    """Of longitudes and latitudes; at least one."""
+    """Return the bounds of longitudes and latitudes; at least one pair."""
     west = south = math.inf
     east = north = -math.inf
     for longitude, latitude in places:

@@ -1,11 +1,11 @@
-"""A picture with its place: a world file beside it, or a JSON of its four corners.
+"""A picture with its position: a world file beside it, or a JSON of its four corners.
 
     chart.png.json or chart.json  {"top_left": {"latitude": 60.1, "longitude": 24.9},
                                    "top_right": ..., "bottom_right": ..., "bottom_left": ...}
     chart.pgw, chart.pngw, chart.wld   six numbers, degrees of WGS 84
 
-It is placed by the affine map that fits the corners best; what that misses them by is told, and
-refused where it is much: such a picture is warped, and has to be straightened before.
+The affine map that fits the corners best places it. The residual at the corners is reported. A
+picture with a large residual is refused: it is warped, and must be straightened first.
 """
 
 from __future__ import annotations
@@ -23,9 +23,9 @@ from mission.console.charts.layer import ChartError, Layer, around, degrees, tex
 
 PICTURES = (".png", ".jpg", ".jpeg", ".webp")
 CORNERS = ("top_left", "top_right", "bottom_right", "bottom_left")
-MOST_PIXELS = 64_000_000  # that a browser's canvas can hold
-MOST_OFF = 0.01  # of the diagonal
-METRES = 111_320.0  # of a degree of latitude
+MOST_PIXELS = 64_000_000  # limit of a browser's canvas
+MOST_OFF = 0.01  # residual, as a share of the diagonal
+METRES = 111_320.0  # m per degree of latitude
 Affine = tuple[float, float, float, float, float, float]
 Place = tuple[float, float]  # longitude, latitude
 
@@ -85,7 +85,7 @@ def _corners(path: Path) -> list[Place]:
 
 
 def _world(path: Path, wide: int, high: int) -> list[Place]:
-    """From the middle of the first pixel."""
+    """Return the corners; a world file counts from the middle of the first pixel."""
     try:
         a, d, b, e, c, f = (float(word) for word in text(path).split())
     except ValueError:
@@ -98,8 +98,8 @@ def _world(path: Path, wide: int, high: int) -> list[Place]:
 
 
 def _fit(path: Path, corners: list[Place], wide: int, high: int) -> tuple[list[float], float]:
-    """Longitude and latitude of a pixel, [lon, per x, per y, lat, per x, per y], and what the
-    corners are missed by, m: of four that is the same at each."""
+    """Return longitude and latitude of a pixel, [lon, per x, per y, lat, per x, per y], and the
+    residual at the corners, m: with four corners it is the same at each."""
     pixels = np.array([[1, 0, 0], [1, wide, 0], [1, wide, high], [1, 0, high]], dtype=float)
     lon, lat = (
         np.linalg.lstsq(pixels, np.array(c), rcond=None)[0] for c in zip(*corners, strict=True)

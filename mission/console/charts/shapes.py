@@ -3,8 +3,8 @@
     {"form": "point", "line" or "area", "at": [[[longitude, latitude], ...], ...],
      "name": "", "depth": m or null, "deeper": m or null}    deeper: of an area from depth to deeper
 
-Depths are taken from the attributes that charts have (``DEPTHS``); heights are turned round. A
-third coordinate is a height by RFC 7946, and nobody keeps to it: it is not read.
+Depths are taken from the usual attributes of charts (``DEPTHS``); heights change their sign. A
+third coordinate is a height by RFC 7946, but files do not follow that: it is not read.
 """
 
 from __future__ import annotations
@@ -53,7 +53,8 @@ def _no_geojson(path: Path, why: str) -> ChartError:
 
 
 def _in_degrees(path: Path, said: Any) -> None:
-    """Files of before RFC 7946 may name another system."""
+    """Raises ChartError for another coordinate system, which files from before RFC 7946 may
+    name."""
     named = said.get("crs") if isinstance(said, dict) else None
     name = str((named or {}).get("properties", {}).get("name", "")) if named else ""
     if name and not name.endswith(("CRS84", ":4326", "::4326", "CRS84h")):
@@ -116,7 +117,7 @@ def _list(where: str, value: Any) -> list[Any]:
 
 
 def _place(where: str, value: Any) -> list[float]:
-    """Longitude and latitude to 1 cm."""
+    """Return longitude and latitude to 1 cm."""
     pair = value[:2] if isinstance(value, list) else []
     if len(pair) != 2 or not all(_is_number(v) for v in pair):
         raise ChartError(f"{where}: {str(value)[:60]} is no [longitude, latitude]")
@@ -139,7 +140,7 @@ def _depth(named: dict[str, Any]) -> float | None:
 
 
 def _number(named: dict[str, Any], keys: tuple[str, ...]) -> float | None:
-    """Files have numbers as texts, too."""
+    """Return the first of the values; files also have numbers as texts."""
     for key in keys:
         try:
             value = float(named.get(key))  # type: ignore[arg-type]

@@ -1,8 +1,8 @@
-"""The charts of this console: in their order, on or off, and how strong; kept for the next time.
+"""The charts of this console: their order, on or off, and opacity; stored for the next time.
 
     <folder>/charts.json    {name of the file: {"on": bool, "opacity": 0 to 1}, ...} in their order
 
-What cannot be kept stops nothing. What is dropped on the page lies in a folder of its own until the
+A failed write stops nothing. Files dropped on the page are kept in a temporary folder until the
 console ends.
 """
 
@@ -33,7 +33,7 @@ WORLDS = re.compile(r"\.([a-z]{2,4}w|wld)")
 
 
 def read_chart(path: Path) -> Layer:
-    """By its suffix. Raises ChartError."""
+    """Read a chart, by its suffix. Raises ChartError."""
     reader = READERS.get(path.suffix.lower())
     if reader is None:
         raise ChartError(f"{path.name}: a chart ends in {', '.join(READERS)}")
@@ -51,7 +51,7 @@ class Shelf:
     def __init__(
         self, folder: Path, paths: tuple[Path, ...] = (), under: Layer | None = None
     ) -> None:
-        """``under``: what lies under them all until somebody moves it. Raises ChartError."""
+        """``under``: the layer below all others until somebody moves it. Raises ChartError."""
         self._file = folder / FILE
         self._layers: dict[str, Layer] = {}
         self._brought: tempfile.TemporaryDirectory[str] | None = None
@@ -63,7 +63,7 @@ class Shelf:
             self._put(read_chart(path))
 
     def as_objects(self) -> list[dict[str, Any]]:
-        """The lowest first."""
+        """Return the layers, the lowest first."""
         looks = self._looks()
         known = [name for name in looks if name in self._layers]
         order = [*known, *(name for name in self._layers if name not in known)]
@@ -76,8 +76,8 @@ class Shelf:
         return self._layers.get(name)
 
     def bring(self, name: str, body: bytes) -> str:
-        """A file from the page: the layer's name, "" where it says the place of a picture that is
-        still to come. Raises ChartError."""
+        """Take a file from the page. Return the layer's name; "" for the position of a picture that
+        is still to come. Raises ChartError."""
         bare = re.split(r"[/\\]", name)[-1][-100:].lstrip(".")
         suffix = Path(bare).suffix.lower()
         if suffix not in READERS and not WORLDS.fullmatch(suffix):

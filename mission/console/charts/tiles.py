@@ -1,8 +1,8 @@
 """Archives of tiles: MBTiles (SQLite) and PMTiles, raster, Web Mercator.
 
-The page places each tile by its corners. Within a tile latitude is not quite straight: the middle
-of one of zoom 12 lies up to 0.9 m off, of zoom 14 0.06 m; from zoom 10 on that is less than a fifth
-of its pixel.
+The page places each tile by its corners. Within a tile latitude is not quite linear: the middle of
+a tile of zoom 12 is up to 0.9 m off, of zoom 14 0.06 m. From zoom 10 on that is less than a fifth
+of a pixel.
 """
 
 from __future__ import annotations
@@ -23,14 +23,14 @@ DEEPEST = 24
 MOST_TILE = 4 << 20  # bytes
 MOST_DIRECTORY = 1 << 20  # bytes, unpacked
 DEEPEST_DIRECTORY = 4
-LONGEST_S = 5.0  # that an archive may be asked for anything
-STEPS = 10_000  # of SQLite between looks at the clock
+LONGEST_S = 5.0  # for one query of an archive
+STEPS = 10_000  # steps of SQLite between checks of the clock
 KINDS = {b"\x89PNG": "image/png", b"\xff\xd8\xff": "image/jpeg", b"RIFF": "image/webp"}
 RASTER = ("png", "jpg", "jpeg", "webp")
 
 
 def media_of(tile: bytes) -> str:
-    """By what it begins with; "" for none that is shown."""
+    """Return the type by the first bytes; "" for one that is not shown."""
     return next((kind for mark, kind in KINDS.items() if tile.startswith(mark)), "")
 
 
@@ -68,9 +68,9 @@ def read_mbtiles(path: Path) -> Layer:
 
 @contextlib.contextmanager
 def _opened(path: Path) -> Iterator[sqlite3.Connection]:
-    path.stat()  # says it better than sqlite
+    path.stat()  # its error message is better than sqlite's
     archive = sqlite3.connect(f"{path.resolve().as_uri()}?mode=ro", uri=True)
-    end = time.monotonic() + LONGEST_S  # its tiles may be a view that comes to no end
+    end = time.monotonic() + LONGEST_S  # the tiles may be a view that never ends
     archive.set_progress_handler(lambda: time.monotonic() > end, STEPS)
     try:
         yield archive
@@ -104,12 +104,12 @@ def _covered(path: Path, archive: sqlite3.Connection, zoom: int) -> Bounds:
 
 
 def _latitude(row: float, n: int) -> float:
-    """Of the upper edge of a row from the north."""
+    """Return the latitude of the upper edge of a row, counted from the north."""
     return math.degrees(math.atan(math.sinh(math.pi * (1 - 2 * row / n))))
 
 
 def _mbtile(path: Path, zoom: int, column: int, row: int) -> bytes | None:
-    """Its rows are counted from the south."""
+    """Read a tile; the archive counts rows from the south."""
     asked = (
         "SELECT tile_data FROM tiles WHERE zoom_level = ? AND tile_column = ? AND tile_row = ? "
         "AND length(tile_data) <= ?"
@@ -149,7 +149,7 @@ def read_pmtiles(path: Path) -> Layer:
 
 
 def _pmtile(path: Path, zoom: int, column: int, row: int) -> bytes | None:
-    """As the package's own reader has it, which unpacks whatever it is given."""
+    """Like the package's own reader, which unpacks without a limit."""
     from pmtiles.tile import deserialize_directory, deserialize_header, find_tile, zxy_to_tileid
 
     damaged = (OSError, EOFError, ValueError, IndexError, KeyError, OverflowError, zlib.error)
@@ -173,7 +173,7 @@ def _pmtile(path: Path, zoom: int, column: int, row: int) -> bytes | None:
 
 
 def _bounded(packed: bytes) -> bytes:
-    """A directory, which 4 MiB may unpack to 4 GiB of. Raises ValueError."""
+    """Limit a directory: 4 MiB may unpack to 4 GiB. Raises ValueError."""
     plain = zlib.decompressobj(zlib.MAX_WBITS | 16).decompress(packed, MOST_DIRECTORY + 1)
     if len(plain) > MOST_DIRECTORY:
         raise ValueError("a directory larger than any")

@@ -1,4 +1,4 @@
-"""What the page asks of the charts (docs/design/console.md)."""
+"""The page's requests for charts (docs/design/console.md)."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def chart_routes(shelf: Shelf) -> list[Route]:
         body = await _body(request, MOST)
         try:
             name = await worked(shelf.bring, request.path_params["name"], body)
-        except ChartError as error:  # no fault of the page: a browser tells faults on its console
+        except ChartError as error:  # no fault of the page: a browser reports faults on its console
             return JSONResponse({"says": str(error)})
         return JSONResponse({"name": name})
 
@@ -66,7 +66,7 @@ def _tile(layer: Layer, asked: dict[str, int]) -> bytes:
 
 
 def _told(answer: Answer) -> Answer:
-    """What cannot be done, in words."""
+    """Answer errors in words."""
 
     async def told(request: Request) -> Response:
         try:

@@ -1,6 +1,6 @@
-"""The coasts of the world under all else: Natural Earth 1:110 million, in the public domain.
+"""The coasts of the world below all else: Natural Earth 1:110 million, in the public domain.
 
-pyogrio carries it for its own tests. Where the extra [chart], or the file, is missing there is no
+pyogrio includes it for its own tests. Without the extra [chart], or without the file, there is no
 outline; the grid stays.
 """
 
@@ -18,11 +18,11 @@ NAME = "world"
 NOTE = "coasts, some 10 km off: to find one's way, none to navigate by"
 OFF_M = 10_000.0
 WITHIN = "tests/fixtures/naturalearth_lowres/naturalearth_lowres.shp"  # pyogrio
-EDGE = (-179.99, -85.0, 179.99, 84.0)  # countries are cut where the map ends; no coast is there
+EDGE = (-179.99, -85.0, 179.99, 84.0)  # countries are cut at the map's edge, where no coast is
 
 
 def read_world() -> Layer | None:
-    """Lines; None where it is not here."""
+    """Return the coasts as lines; None if the file is not here."""
     package = find_spec("pyogrio")
     if package is None or package.origin is None:
         return None
@@ -35,7 +35,7 @@ def read_world() -> Layer | None:
 
 
 def _coasts(countries: list[Any]) -> list[dict[str, Any]]:
-    """Without the borders between them."""
+    """Merge the countries, without the borders between them."""
     from shapely import box, line_merge, unary_union
     from shapely.geometry import mapping, shape
 

@@ -1,9 +1,9 @@
 // @ts-check
 /**
- * What is wrong, worst first, with a sound until it is silenced; an alarm that comes anew sounds again.
- * Of several vehicles that are live the alarms of all stand, whichever is looked at.
+ * Alarms, worst first, with a sound until it is silenced; an alarm that comes back sounds again.
+ * With several live vehicles, the alarms of all are shown, whichever vehicle is chosen.
  *
- * The browser allows no sound before the first press on the page: until then the button says so.
+ * The browser allows no sound before the first press on the page; until then the button says so.
  */
 
 import { el, mark, say } from './dom.js';
@@ -15,14 +15,14 @@ import { named, word } from './words.js';
  * @typedef {import('./station.js').Station} Station
  * @typedef {import('./state.js').Alarm} Alarm
  * @typedef {Alarm & {of: string, whose: string}} Owned ``of``: the vehicle's id; ``whose``: its name,
- *   "" where there is but one */
+ *   "" if there is only one */
 
-const NO_CONTACT = 'no contact'; // as the boat's own alarm is called
+const NO_CONTACT = 'no contact'; // the name of the boat's own alarm
 const EVERY_MS = { danger: 1500, warning: 10_000 };
 const TONES = { danger: [880, 660, 880], warning: [520] }; // Hz
 const TONE_S = 0.16;
 
-/** What stands, worst first. @param {Station} station
+/** The active alarms, worst first. @param {Station} station
  * @param {number} now ms @returns {Alarm[]} */
 export function standing(station, now) {
   const { vehicle } = station;
@@ -47,13 +47,13 @@ export function standing(station, now) {
   }
   const told = /** @type {Alarm[]} */ (vehicle.state['alarms'] ?? []);
   for (const one of told) {
-    if (one.name === NO_CONTACT && isSilent && alarms[0]) alarms[0].do = one.do; // said once
+    if (one.name === NO_CONTACT && isSilent && alarms[0]) alarms[0].do = one.do; // shown only once
     else alarms.push({ ...one, name: named(one.name) });
   }
   return alarms.sort((a, b) => rank(a) - rank(b));
 }
 
-/** Of the vehicle that is looked at, and of all that are live. @param {Page} page
+/** Alarms of the chosen vehicle, and of all live ones. @param {Page} page
  * @param {number} now ms @returns {Owned[]} */
 export function standingOfAll({ stations, chosen }, now) {
   const watched = stations.filter((one) => one === chosen || isLive(one.vehicle));
@@ -70,7 +70,7 @@ function rank(alarm) {
 }
 
 export class Alarms {
-  /** @param {HTMLElement} root @param {HTMLElement} button of the sound */
+  /** @param {HTMLElement} root @param {HTMLElement} button switches the sound */
   constructor(root, button) {
     this._root = root;
     this._button = button;
@@ -121,18 +121,18 @@ export class Alarms {
     mark(this._button, 'data-blocked', this._voice.isOn && !works ? '' : null);
   }
 
-  /** Whoever has pressed anything allows the sound. */
+  /** Any press allows the sound. */
   allow() {
     this._voice.allow();
   }
 }
 
-/** Numbers in it count on. @param {Owned} alarm */
+/** The alarm's key, without its numbers, which change. @param {Owned} alarm */
 function keyOf(alarm) {
   return alarm.of + alarm.level + alarm.name.replace(/[\d.]+/g, '');
 }
 
-/** What to do, where it is a button of this page. @param {string} todo */
+/** What to do, with the names of this page's buttons. @param {string} todo */
 export function here(todo) {
   return todo.replace(/`auvmission (clear|stop)`/g, (_, name) => `“${word(name)}”`);
 }
@@ -155,7 +155,7 @@ class Voice {
     return this._context?.state === 'running';
   }
 
-  /** Within a press. */
+  /** Call it within a press. */
   allow() {
     this._context ??= new AudioContext();
     void this._context.resume();

@@ -1,6 +1,6 @@
 // @ts-check
 /**
- * The upper edge: which vehicle, from where, its state, its mission, who commands, when it was heard.
+ * The top bar: the vehicle, its source, state and mission, who commands, and the time since it was heard.
  */
 
 import { el, mark, say } from './dom.js';
@@ -85,14 +85,14 @@ function missionText(station, now) {
   return parts.filter(Boolean).join(' · ');
 }
 
-/** Where nothing tells when it began; the vehicle's frames never do.
+/** For a state of unknown begin; the vehicle's frames never report one.
  * @param {import('./state.js').Vehicle} vehicle */
 export function resting(vehicle) {
   const isIdle = String(vehicle.state['state'] ?? '').startsWith('idle');
   return isIdle || vehicle.setup.source !== 'frames' ? word('not_started') : '';
 }
 
-/** Where no mission is told. @param {import('./state.js').Vehicle} vehicle */
+/** For a vehicle without a known mission. @param {import('./state.js').Vehicle} vehicle */
 export function withoutMission(vehicle) {
   return word(vehicle.state['mission'] === undefined ? 'unknown' : 'no_mission');
 }

@@ -1,11 +1,11 @@
 // @ts-check
 /**
- * Drawing that is sharp on every screen, in the colours of the light that is chosen.
+ * Drawing that is sharp on every screen, in the colours of the chosen theme.
  */
 
-/** The picture as wide and high as its box. @param {HTMLCanvasElement} canvas
+/** Make the canvas as large as its box. @param {HTMLCanvasElement} canvas
  * @returns {{pen: CanvasRenderingContext2D, width: number, height: number} | null} CSS px; null:
- *   it is not shown */
+ *   not shown */
 export function sheet(canvas) {
   const { clientWidth: width, clientHeight: height } = canvas;
   const pen = canvas.getContext('2d');
@@ -17,8 +17,8 @@ export function sheet(canvas) {
   return { pen, width, height };
 }
 
-/** Colours by the names of the theme. @template {string} N @param {Record<N, string>} names
- * name here: variable there @returns {Record<N, string>} */
+/** Colours of the theme, by name. @template {string} N @param {Record<N, string>} names
+ * name here: variable of the theme @returns {Record<N, string>} */
 export function inksOf(names) {
   const style = getComputedStyle(document.documentElement);
   const found = Object.entries(names).map(([ours, theirs]) =>

@@ -1,8 +1,8 @@
 // @ts-check
 /**
- * The chart: a metric grid with plan, track, vehicle and its 95 % ellipse; moved by hand or keys.
+ * The chart: a metric grid with plan, track, vehicle and its 95 % ellipse; moved by pointer or keys.
  *
- * What is drawn is in ``layers``, what there is to draw in ``scene``.
+ * ``layers`` draws it, ``scene`` collects what to draw.
  */
 
 import { inksOf, sheet } from './canvas.js';
@@ -23,7 +23,7 @@ import { word } from './words.js';
  * @typedef {import('./charts.js').Charts} Charts
  * @typedef {import('./layers.js').Scene} Scene */
 
-const EDGE = 0.3; // of the screen: a vehicle that is followed stays within
+const EDGE = 0.3; // of the screen, from its middle: a followed vehicle stays within
 
 export class Chart {
   /** @param {(id: string) => HTMLElement} at @param {Charts} charts @param {() => void} redraw */
@@ -38,7 +38,7 @@ export class Chart {
     this._isFollowing = true;
     this._isFitted = '';
     this._hadStill = false;
-    this._scale = 0; // that of the last fit: another one is somebody's own
+    this._scale = 0; // of the last fit; another scale was chosen by the user
     this._panning = new Panning(this._canvas, this._view, { redraw, fit: () => this._fit(),
       moved: () => {
         this._isFollowing = false;
@@ -73,8 +73,8 @@ export class Chart {
     this._tellPointer();
   }
 
-  /** What is there is shown once, and again when the planned track comes or the ellipse outgrows
-   * the chart, unless somebody has moved it; later the vehicle is kept in sight.
+  /** Fit all once, and again when the planned track comes or the ellipse becomes larger than the
+   * chart, unless the user has moved it; after that keep the vehicle in sight.
    * @param {string} of @param {boolean} hasStill */
   _aim(of, hasStill) {
     const scene = this._scene;
@@ -95,7 +95,7 @@ export class Chart {
     if (outside && this._view.scale * 200 > 1) this._view.centre(scene.here.at);
   }
 
-  /** All that ought to be on the screen: the charts where there is nothing else.
+  /** The points that must be visible; the charts' corners if there are no others.
    * @param {Scene} scene */
   _points(scene) {
     const points = pointsOf(scene);
@@ -110,7 +110,7 @@ export class Chart {
     pen.fillText(word('no_place'), this._view.width / 2, this._view.height / 2);
   }
 
-  /** Where it is, how sure, and since when it is only reckoned. @param {Page} page
+  /** Show the position, its uncertainty, and the age of the last fix. @param {Page} page
    * @param {number} now */
   _tellPlace(page, now) {
     const { vehicle } = page.chosen;
@@ -126,7 +126,7 @@ export class Chart {
     mark(this._place, 'data-is', this._scene?.here?.isOld ? 'old' : 'fresh');
   }
 
-  /** What is under the pointer, and how far from vehicle and home. */
+  /** Show the point under the pointer, and its distance from vehicle and home. */
   _tellPointer() {
     const scene = this._scene;
     if (this._panning.pointer === null || scene === null || !this._frame) return say(this._pointed, '');
@@ -141,7 +141,7 @@ export class Chart {
       from(scene.home ?? undefined, 'of_home')].filter(Boolean).join(' · '));
   }
 
-  // --- moving it ---
+  // --- panning and zoom ---
 
   /** @param {(id: string) => HTMLElement} at */
   _listen(at) {
@@ -165,7 +165,7 @@ export class Chart {
   }
 }
 
-/** The vehicle, its way and its plan; the radius only where nothing else is large.
+/** The vehicle, its track and its plan; the radius only if nothing else is large.
  * @param {Scene} scene @returns {Pair[]} */
 function pointsOf(scene) {
   const { here, home } = scene;

@@ -1,9 +1,9 @@
 // @ts-check
 /**
- * The charts of the user under the vehicle: asked for once, drawn in their order, and how they are
- * looked at told to the server, which keeps it.
+ * The user's charts under the vehicle: loaded once and drawn in their order. The server stores how
+ * they are shown.
  *
- * An <img> could not show the token: pictures come by fetch.
+ * An <img> could not send the token, so pictures are loaded by fetch.
  */
 
 import { inksOf } from './canvas.js';
@@ -22,20 +22,20 @@ import { ask, load, want } from './wire.js';
  *   depthAt?: (at: Pair, view: View, frame: Frame) => string}} Drawn
  * @typedef {{name: string, kind: 'shapes' | 'picture' | 'tiles' | 'depths', note: string,
  *   bounds: [number, number, number, number], on: boolean, opacity: number,
- *   off_m?: number}} About off_m: what it shows may lie so far off
+ *   off_m?: number}} About off_m: its possible position error
  * @typedef {About & {drawn: Drawn | null, problem: string}} Layer */
 
-const OFF_PX = 60; // what lies farther off on the screen is not shown
-const KEEP_MS = 500; // a slider that is moved is told once
+const OFF_PX = 60; // a chart whose error is larger on the screen is not shown
+const KEEP_MS = 500; // a moved slider is sent once
 const NAMES = { shape: 'ink', shallow: 'shallow', deep: 'deep', tint: 'tint' };
-const PLACES = /\.([a-z]{2,4}w|wld|json)$/i; // say where a picture lies: told before it
+const PLACES = /\.([a-z]{2,4}w|wld|json)$/i; // files with the position of a picture: sent before it
 
 export class Charts {
   /** @param {string} token @param {() => void} redraw */
   constructor(token, redraw) {
     this._token = token;
     this._redraw = redraw;
-    /** @type {Layer[]} the lowest first */
+    /** @type {Layer[]} lowest first */
     this.layers = [];
     this.problem = '';
     this._timer = 0;
@@ -85,9 +85,9 @@ export class Charts {
     return answer.status === 204 ? null : createImageBitmap(await answer.blob());
   }
 
-  // --- what is seen of it ---
+  // --- drawing ---
 
-  /** The plane of a chart where no vehicle has a place. @returns {Frame | null} */
+  /** The plane of the chart while no vehicle has a position. @returns {Frame | null} */
   frame() {
     const first = this.layers.find((layer) => !layer.off_m);
     if (this._frame === null && first !== undefined) {
@@ -97,7 +97,7 @@ export class Charts {
     return this._frame;
   }
 
-  /** The corners of all that is on, and is no background. @param {Frame} frame @returns {Pair[]} */
+  /** The corners of all layers that are on, without background. @param {Frame} frame @returns {Pair[]} */
   corners(frame) {
     const own = this.layers.filter((layer) => layer.on && !layer.off_m);
     return own.flatMap(({ bounds: [west, south, east, north] }) =>
@@ -120,7 +120,7 @@ export class Charts {
     }
   }
 
-  /** Of the highest that knows one. '' @param {Pair} at east, north @param {View} view
+  /** Of the highest layer that knows a depth, else ''. @param {Pair} at east, north @param {View} view
    * @param {Frame} frame */
   depthAt(at, view, frame) {
     for (const layer of this.layers.filter((one) => one.on).reverse()) {
@@ -130,7 +130,7 @@ export class Charts {
     return '';
   }
 
-  // --- what is done to it ---
+  // --- changes by the user ---
 
   /** @param {Layer} layer @param {Partial<About>} look */
   look(layer, look) {
@@ -178,7 +178,7 @@ export class Charts {
   }
 }
 
-/** A bright scan must not blind whoever works in the dark. @param {Pen} pen @param {View} view
+/** Tint it, so that a bright scan does not dazzle at night. @param {Pen} pen @param {View} view
  * @param {string} tint */
 function tinted(pen, view, tint) {
   pen.save();

@@ -1,7 +1,7 @@
 // @ts-check
 /**
- * Before a dive: what can be seen from here, and the vehicle's own list of points that a person
- * looks at; what is done is kept in the console's log with its time.
+ * Before a dive: what can be checked from here, and the vehicle's own list of points that a person
+ * checks. The console's log records each point that is done, with its time.
  */
 
 import { el, mark, say } from './dom.js';
@@ -11,7 +11,7 @@ import { word } from './words.js';
 
 /** @typedef {import('./station.js').Page} Page */
 
-const SIGNS = { good: '✓', careful: '!', bad: '✗', unknown: '?' }; // never by colour alone
+const SIGNS = { good: '✓', careful: '!', bad: '✗', unknown: '?' }; // never colour alone
 
 export class Checklist {
   /** @param {HTMLElement} root @param {() => Page} page */

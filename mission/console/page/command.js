@@ -1,6 +1,6 @@
 // @ts-check
 /**
- * Everything that is told to the vehicle beside X and W, and what became of each word.
+ * All commands to the vehicle except X and W, and their results.
  */
 
 import { commander, withoutMission } from './bar.js';
@@ -16,7 +16,7 @@ import { word } from './words.js';
  * @typedef {import('./intents.js').Intent} Intent */
 
 const SHOWN = 5;
-/** Of ``SP``, with what it is called here. @type {ReadonlyArray<readonly [string, string, string]>} */
+/** Fields of ``SP``, with their names here. @type {ReadonlyArray<readonly [string, string, string]>} */
 const LIMITS = [['radius_m', 'to_radius', 'm'], ['minutes', 'to_time', 'min'],
   ['depth_m', 'to_depth', 'm'], ['low_voltage_v', 'to_voltage', 'V']];
 
@@ -77,7 +77,7 @@ export class Command {
     });
   }
 
-  /** The limits that are written down. */
+  /** The limits that were entered. */
   _wanted() {
     return LIMITS.flatMap(([field, name, unit], i) => {
       const value = this._limits?.[i]?.input.valueAsNumber;

@@ -1,9 +1,9 @@
 // @ts-check
 /**
- * A dive beside another, and beside what is known of it afterwards.
+ * A dive compared with another dive, and with its own smoothed track.
  *
- * Nothing lies between the points that were known: where it was at a time is where it was known
- * to be last.
+ * Nothing is interpolated between the known points: the position at a time is the last known
+ * position.
  */
 
 import { el, mark, say } from './dom.js';
@@ -20,20 +20,20 @@ import { word } from './words.js';
  * @typedef {{begin: number | null, wall: number, then: Past[], now: Past[],
  *   apart: {mean: number, max: number} | null, problem: string}} Hindsight
  * @typedef {'start' | 'clock'} By
- * @typedef {{smoothed: boolean, other: string, by: By}} Compared other: its id; '': none
+ * @typedef {{smoothed: boolean, other: string, by: By}} Compared other: id; '': none
  * @typedef {{name: string, line: Pair[], at: Pair | null}} Beside */
 
 /** @type {Compared} */
 export const ALONE = { smoothed: false, other: '', by: 'start' };
 
-/** The other's time at a time of ours. @param {By} by @param {number} t
+/** The other dive's time at a time of ours. @param {By} by @param {number} t
  * @param {Hindsight} own @param {Hindsight} other */
 export function timeThere(by, t, own, other) {
   return by === 'clock' ? t + own.wall - other.wall : t - (own.begin ?? 0) + (other.begin ?? 0);
 }
 
-/** Where it was known to be last. @param {readonly Past[]} points @param {number} t
- * @returns {Past | null} null: before the first, and behind the last */
+/** The last known position. @param {readonly Past[]} points @param {number} t
+ * @returns {Past | null} null: before the first, and after the last */
 export function lastAt(points, t) {
   const end = points.at(-1);
   if (end === undefined || t > end[0] + 1) return null;
@@ -46,7 +46,7 @@ export function lastAt(points, t) {
   return points[low - 1] ?? null;
 }
 
-/** What is drawn of it. @param {Page} page @param {Frame | null} frame @param {number} now ms
+/** What the chart draws. @param {Page} page @param {Frame | null} frame @param {number} now ms
  * @returns {{now: Beside | null, other: Beside | null}} */
 export function besides(page, frame, now) {
   const { chosen, compared } = page;
@@ -165,7 +165,7 @@ function otherSays(own, its, page, now) {
   return a && b ? word('apart_at', length(apart(a, b)), at) : word('apart_none', at);
 }
 
-/** m, on the earth: enough for some kilometres. @param {Past} a @param {Past} b */
+/** Distance in m; accurate for some kilometres. @param {Past} a @param {Past} b */
 export function apart([, latA, lonA], [, latB, lonB]) {
   const flat = Math.cos((latA * Math.PI) / 180);
   return between([0, 0], [(lonB - lonA) * 111320 * flat, (latB - latA) * 111320]).range;

@@ -1,33 +1,33 @@
 // @ts-check
 /**
- * What may stand where the caret is: words of the language, variables of guards, names of legs.
+ * Completion at the caret: words of the language, variables of guards, names of legs.
  *
- * The table is the server's (``/api/words``); here is only which part of it fits what stands before
- * the caret. Nothing is ever refused by it: the check judges, this helps to write.
+ * The table comes from the server (``/api/words``). This module only selects the part that fits the
+ * text before the caret. It never refuses anything: that is the check's task.
  */
 
 /** @typedef {{word: string, says: string, of: string}} Word */
 
 const SHOWN = 12;
-const BEFORE = 400; // characters that are looked at
+const BEFORE = 400; // characters that are read
 const NAME = /[A-Za-z_][\w-]*$/;
-/** The table that the caret is in, by the last word that opens one. */
+/** The table around the caret, by the last word that opens one. */
 const TABLES = /\b(safety|assume|achieve)\b\s*:?\s*(?:\{[^{}]*|(?:\s+[\w.%/-]+)*\s*)$/;
 const GUARD = /(?:\b(?:until|when|on)\b|\band\b|\bor\b|\bnot\b|\()\s*:?\s*\(?\s*$/;
 const TARGET = /(?:->|\belse\b\s*:?|\bdo\b\s*:)\s*$/;
 
-/** The word that ends at the caret. @param {string} text @param {number} at */
+/** The word before the caret. @param {string} text @param {number} at */
 export function prefixAt(text, at) {
   return NAME.exec(text.slice(Math.max(0, at - 60), at))?.[0] ?? '';
 }
 
-/** The word that the place is in. @param {string} text @param {number} at */
+/** The word around the place. @param {string} text @param {number} at */
 export function wordAt(text, at) {
   const rest = /^[\w-]*/.exec(text.slice(at, at + 60))?.[0] ?? '';
   return prefixAt(text, at) + rest;
 }
 
-/** Which parts of the table fit. @param {string} text @param {number} at of the word's begin
+/** Which parts of the table fit. @param {string} text @param {number} at begin of the word
  * @param {boolean} isYaml */
 export function contextAt(text, at, isYaml) {
   const start = text.lastIndexOf('\n', at - 1) + 1;
@@ -46,7 +46,7 @@ export function contextAt(text, at, isYaml) {
 }
 
 /** @param {readonly Word[]} words @param {readonly string[]} names of legs @param {string} text
- * @param {number} at the caret @param {boolean} isYaml @param {boolean} all without a prefix, too
+ * @param {number} at the caret @param {boolean} isYaml @param {boolean} all also without a prefix
  * @returns {Word[]} */
 export function completions(words, names, text, at, isYaml, all) {
   const prefix = prefixAt(text, at);
@@ -59,7 +59,7 @@ export function completions(words, names, text, at, isYaml, all) {
   return [...new Map(found.map((one) => [one.word, one])).values()].slice(0, SHOWN);
 }
 
-/** What is put in: a key of YAML with its colon, unless it has one. @param {Word} chosen
+/** The text to insert: a YAML key with its colon, unless there is one. @param {Word} chosen
  * @param {string} text @param {number} at @param {boolean} isYaml */
 export function written(chosen, text, at, isYaml) {
   const isKey = isYaml && !['guard', 'name'].includes(chosen.of);
@@ -67,7 +67,7 @@ export function written(chosen, text, at, isYaml) {
   return isKey && !rest.startsWith(':') ? `${chosen.word}: ` : chosen.word;
 }
 
-/** One line on a word. @param {readonly Word[]} words @param {string} word */
+/** One line of help on a word. @param {readonly Word[]} words @param {string} word */
 export function helpOn(words, word) {
   const found = words.filter((one) => one.word === word);
   return [...new Set(found.map((one) => `${one.word}: ${one.says}`))].slice(0, 2).join(' · ');

@@ -1,18 +1,18 @@
 // @ts-check
 /**
- * A button that asks before it acts: the first press says what will happen, and where; the second
- * one, on the same words and soon, does it.
+ * A button that asks before it acts: the first press shows what will happen, and where. A second
+ * press soon after, on the same text, does it.
  */
 
 import { el, say } from './dom.js';
 import { word } from './words.js';
 
 const WITHIN_MS = 6000;
-const BOUNCE_MS = 300; // a double click is one press
+const BOUNCE_MS = 300; // a double click counts as one press
 
 export class Confirm {
-  /** @param {string} name the word on it @param {() => string} what will happen; "": nothing can
-   * @param {(what: string, moved: number) => void} act ``moved``: ms, of the second press */
+  /** @param {string} name its label @param {() => string} what will happen; "": nothing can
+   * @param {(what: string, moved: number) => void} act ``moved``: ms, time of the second press */
   constructor(name, what, act) {
     this._name = name;
     this._what = what;

@@ -1,6 +1,6 @@
 // @ts-check
 /**
- * What is on the vehicle against what is written here: their digests, and what would change.
+ * The mission on the vehicle compared with the text here: their digests, and what would change.
  */
 
 import { el, mark, say } from './dom.js';
@@ -10,7 +10,7 @@ import { word } from './words.js';
 /** @typedef {import('./station.js').Page} Page */
 
 const PLAIN = new Set(['leg', 'heading', 'speed', 'vertical', 'attitude', 'does', 'place']);
-const AROUND = 2; // lines that are the same, beside those that are not
+const AROUND = 2; // equal lines shown around different ones
 
 export class Differing {
   /** @param {() => Page} page @param {() => {text: string, source: string}} plan */
@@ -28,7 +28,7 @@ export class Differing {
     this._rows.hidden = true;
   }
 
-  /** @param {any} said the check's answer; null: none of this text so far */
+  /** @param {any} said the check's answer; null: none for this text so far */
   show(said) {
     const { state, setup, plan } = this._page().chosen.vehicle;
     const board = state['mission'] || '';
@@ -43,7 +43,7 @@ export class Differing {
     this._ask.disabled = !board || !here;
   }
 
-  /** The text is another. */
+  /** The text has changed. */
   forget() {
     this._wanted += 1;
     this._changes.replaceChildren();
@@ -81,11 +81,11 @@ export class Differing {
 /** @param {any} one */
 function change(one) {
   const [before, after] = [one.before, one.after];
-  const what = PLAIN.has(one.what) ? '' : `${one.what} `; // the others say themselves what they are
+  const what = PLAIN.has(one.what) ? '' : `${one.what} `; // the other names say it themselves
   return `${one.places.join(', ')}: ${what}${before && after ? `${before} → ${after}` : before || after}`;
 }
 
-/** Those that differ, and some around them. @param {Array<[string, string]>} rows
+/** The lines that differ, and some around them. @param {Array<[string, string]>} rows
  * @returns {Array<[string, string]>} */
 export function near(rows) {
   const marked = rows.map(([sign]) => sign !== ' ');

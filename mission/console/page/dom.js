@@ -1,6 +1,6 @@
 // @ts-check
 /**
- * Elements without HTML in strings: what comes from vehicles and missions is text, always.
+ * Elements without HTML in strings: texts of vehicles and missions always stay text.
  */
 
 /** @typedef {Node | string | null | undefined} Child */
@@ -24,26 +24,26 @@ export function el(tag, has = {}, ...children) {
   return made;
 }
 
-/** Only what has changed is written: a screen reader tells no more. @param {Element} at
+/** Write only changes, so that a screen reader reads nothing twice. @param {Element} at
  * @param {string} text */
 export function say(at, text) {
   if (at.textContent !== text) at.textContent = text;
 }
 
-/** @param {Element} at @param {string} name @param {string | null} value null: without it */
+/** @param {Element} at @param {string} name @param {string | null} value null: remove it */
 export function mark(at, name, value) {
   if (value === null) at.removeAttribute(name);
   else if (at.getAttribute(name) !== value) at.setAttribute(name, value);
 }
 
-/** @param {string} id @returns {HTMLElement} Throws an Error where there is none. */
+/** @param {string} id @returns {HTMLElement} Throws an Error if there is none. */
 export function byId(id) {
   const found = document.getElementById(id);
   if (found === null) throw new Error(`no element #${id}`);
   return found;
 }
 
-/** Is somebody writing text, so that a letter is a letter? @param {EventTarget | null} target */
+/** Is the user typing text, so that a letter is no command? @param {EventTarget | null} target */
 export function isWriting(target) {
   if (!(target instanceof HTMLElement)) return false;
   const texts = ['text', 'search', 'url', 'email', 'password', ''];

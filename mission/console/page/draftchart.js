@@ -1,8 +1,8 @@
 // @ts-check
 /**
- * The chart of a plan that is being written: its places can be dragged, carried by keys, added.
+ * The chart of a plan in work: its places can be dragged, moved by keys, and added.
  *
- * It changes nothing itself: what is wanted is told, and comes back as another text's places.
+ * It changes nothing itself: it reports the user's wish, and gets the places of the changed text.
  */
 
 import { inksOf, sheet } from './canvas.js';
@@ -23,22 +23,22 @@ import { word } from './words.js';
  *   removed: (index: number) => void, chosen: (index: number) => void, redraw: () => void}} Wishes
  *   places as latitude and longitude */
 
-const FAR_M = 20000; // beyond, another frame
+const FAR_M = 20000; // beyond that, another frame
 const SAME_M = 0.01;
-const CARRY_PX = 6; // of an arrow key
-const AROUND_M = 200; // a place alone
+const CARRY_PX = 6; // step of an arrow key
+const AROUND_M = 200; // around a single place
 
 export class DraftChart {
   /** @type {readonly Place[]} */
   places = [];
   chosen = -1;
-  isAdding = false; // the next press adds
+  isAdding = false; // the next press adds a place
   /** @type {import('./places.js').Ghost | null} */
   ghost = null;
   time = 0; // s, of the ghost
-  /** @type {any} the track in still water, as the server answers */
+  /** @type {any} the track in still water, from the server */
   still = null;
-  /** @type {any} of the text that could be read last */
+  /** @type {any} of the last text that could be read */
   _map = null;
   /** @type {number | null} */
   _radius = null;
@@ -47,7 +47,7 @@ export class DraftChart {
   /** @type {Frame | null} */
   _frame = null;
 
-  /** @param {Wishes} wishes @param {import('./charts.js').Charts} charts what lies under it */
+  /** @param {Wishes} wishes @param {import('./charts.js').Charts} charts drawn under it */
   constructor(wishes, charts) {
     this._wishes = wishes;
     this._charts = charts;
@@ -57,10 +57,10 @@ export class DraftChart {
     this.root = el('div', { class: 'draft-chart' }, this.canvas,
       el('div', { class: 'chart-buttons' }, ...this._buttons), this._pointed);
     this._view = new View();
-    /** @type {Pair | null} m, where the chosen place is held */
+    /** @type {Pair | null} m, where the chosen place is being moved */
     this._carried = null;
     this._isFitted = false;
-    this._isAlone = true; // no track of this mission has been seen
+    this._isAlone = true; // no track of this mission has come so far
     this._panning = new Panning(this.canvas, this._view, { redraw: wishes.redraw,
       fit: () => this._fit(), take: (at, isTouch) => this._take(at, isTouch),
       keys: { n: () => this._next(1), p: () => this._next(-1), Delete: () => this._remove(),
@@ -76,7 +76,7 @@ export class DraftChart {
     this.canvas.addEventListener('blur', () => this._letGo());
   }
 
-  /** What the check answered. @param {any} said @param {boolean} isNew another mission */
+  /** Take the check's answer. @param {any} said @param {boolean} isNew another mission */
   take(said, isNew) {
     this.places = said.places ?? [];
     if (this.chosen >= this.places.length) this.chosen = -1;
@@ -93,7 +93,7 @@ export class DraftChart {
     if (isNew) Object.assign(this, { _isFitted: false, _isAlone: true });
   }
 
-  /** The grid counts from home, as the text does; what is on the screen stays. @param {Pair} home */
+  /** Count the grid from home, as the text does, without moving the picture. @param {Pair} home */
   _measureFrom(home) {
     const by = this._frame?.toLocal(...home) ?? [0, 0];
     if (Math.hypot(...by) < SAME_M) return;
@@ -102,7 +102,7 @@ export class DraftChart {
     if (this._carried) this._carried = [this._carried[0] - by[0], this._carried[1] - by[1]];
   }
 
-  /** The track in still water; of a plan by heading nothing else is there to be looked at.
+  /** Take the track in still water; a plan by heading has nothing else to show.
    * @param {any} said null: none so far */
   takeStill(said) {
     this.still = said;
@@ -136,7 +136,7 @@ export class DraftChart {
   _scene() {
     const frame = this._frame;
     const still = frame ? stillOf(this.still, frame) : null;
-    if (still && this.ghost) still.turns = []; // its own ellipses stand there
+    if (still && this.ghost) still.turns = []; // the ghost has its own ellipses
     /** @type {Scene} */
     const made = { hasPlace: frame !== null, home: frame && this._home ? frame.toLocal(...this._home) : null,
       radius: this._radius, routes: frame ? routesOf(this._map, frame) : [],
@@ -241,7 +241,7 @@ export class DraftChart {
     if (at && this._frame) this._view.centre(this._frame.toLocal(...at));
   }
 
-  // --- carrying one by keys: Enter takes it up and puts it down ---
+  // --- moving a place by keys: Enter picks it up and puts it down ---
 
   /** @param {KeyboardEvent} event */
   _carryKey(event) {
@@ -268,7 +268,7 @@ export class DraftChart {
       const to = frame.toEarth(...this._carried);
       this._carried = null;
       this._wishes.moved(this.chosen, to);
-    } else if (place.fixed) this._wishes.moved(this.chosen, /** @type {Pair} */ (place.at)); // says why not
+    } else if (place.fixed) this._wishes.moved(this.chosen, /** @type {Pair} */ (place.at)); // told why not
     else this._carried = frame.toLocal(.../** @type {Pair} */ (place.at));
   }
 

@@ -1,7 +1,7 @@
 // @ts-check
 /**
- * A text that is written: a plain text area, with its line numbers, what is wrong underlined, and
- * completion. What stands under the text is drawn beside it and never is HTML.
+ * The text editor: a plain text area with line numbers, underlined errors, and completion. The marks
+ * under the text are drawn separately and are never HTML.
  *
  * Every change, typed or not, is a step of one history.
  */
@@ -43,7 +43,7 @@ export class Editor {
     this.history = new History({ text: '', at: 0 });
     /** @type {readonly Fault[]} */
     this._faults = [];
-    /** @type {Span[]} of the place that is chosen on the chart */
+    /** @type {Span[]} of the place chosen on the chart */
     this._chosen = [];
     /** @type {Word[]} */
     this._offered = [];
@@ -57,9 +57,9 @@ export class Editor {
     return this.area.value;
   }
 
-  /** Another text, as one step; the caret stays where it was, or goes to ``at``.
+  /** Replace the text in one step; the caret stays where it was, or goes to ``at``.
    * @param {string} text @param {number} [at]
-   * @param {import('./history.js').Origin} [of] where there is another */
+   * @param {import('./history.js').Origin} [of] if it has another */
   put(text, at, of) {
     const caret = Math.min(at ?? this.area.selectionStart, text.length);
     this.history.add(of ? { text, at: caret, of } : { text, at: caret });
@@ -84,16 +84,16 @@ export class Editor {
     this._textChanged();
   }
 
-  /** What the check says of this text. @param {readonly Fault[]} faults */
+  /** Show the check's findings in this text. @param {readonly Fault[]} faults */
   judge(faults) {
-    const last = this._starts.length; // what is missing is missing behind it
+    const last = this._starts.length; // something missing is marked after it
     this._faults = faults.map((one) => (one.line > last
       ? { ...one, line: last, column: this._lineText(last).length + 1 } : one));
     this._drawMarks();
     this._tell();
   }
 
-  /** The numbers of the place that is chosen. @param {Span[]} spans @param {boolean} [reveal] */
+  /** Mark the numbers of the chosen place. @param {Span[]} spans @param {boolean} [reveal] */
   choose(spans, reveal = false) {
     this._chosen = spans;
     const first = spans[0];
@@ -112,7 +112,7 @@ export class Editor {
     }
   }
 
-  /** From 1. */
+  /** The caret's line, from 1. */
   get line() {
     return lineAt(this._starts, this.area.selectionStart);
   }
@@ -123,7 +123,7 @@ export class Editor {
     this._drawMarks();
   }
 
-  // --- what is heard ---
+  // --- events ---
 
   _listen() {
     const area = this.area;
@@ -200,7 +200,7 @@ export class Editor {
     return acts;
   }
 
-  /** A new line as deep as this one. */
+  /** A new line with the same indent. */
   _break() {
     const at = this.area.selectionStart;
     const start = this._starts[lineAt(this._starts, at) - 1] ?? 0;
@@ -260,9 +260,9 @@ export class Editor {
     this.area.focus();
   }
 
-  // --- what is told ---
+  // --- help ---
 
-  /** Of the line that the caret is in, else of the word. */
+  /** Help on the line at the caret, else on the word. */
   _tell() {
     const fault = this._faults.find((one) => one.line === this.line);
     say(this._says, fault ? said(fault) : helpOn(this.words, wordAt(this.text, this.area.selectionStart)));
@@ -288,7 +288,7 @@ export class Editor {
     this._tip.style.top = `${event.offsetY + 20}px`;
   }
 
-  // --- what is drawn ---
+  // --- drawing ---
 
   _drawMarks() {
     const { scrollTop, scrollLeft, clientHeight } = this.area;
@@ -328,7 +328,7 @@ export class Editor {
     return this.text.slice(begin, (this._starts[line] ?? this.text.length + 1) - 1);
   }
 
-  /** px of a text that begins a line. @param {string} text */
+  /** Width in px of a text at the begin of a line. @param {string} text */
   _width(text) {
     const pen = this._pen;
     if (pen === null) return 0;
@@ -356,7 +356,7 @@ export class Editor {
     return Math.min(guess, text.length);
   }
 
-  /** Where an offset stands in the area. @param {number} at @returns {[number, number]} px */
+  /** The position of an offset in the area. @param {number} at @returns {[number, number]} px */
   _spot(at) {
     const line = lineAt(this._starts, at);
     const start = this._starts[line - 1] ?? 0;

@@ -1,6 +1,6 @@
 // @ts-check
 /**
- * What the check says of a plan: what is proved, what is wrong and where, what is assumed.
+ * The check's findings on a plan: what is proved, what is wrong and where, what is assumed.
  */
 
 import { el, mark, say } from './dom.js';
@@ -11,7 +11,7 @@ import { word } from './words.js';
 /** @typedef {import('./editor.js').Fault} Fault */
 
 const SHOWN = 30;
-const SOON_S = 0.5; // grey at once; in words where it takes longer
+const SOON_S = 0.5; // grey at once; a text if it takes longer
 
 export class Findings {
   /** @param {(fault: Fault) => void} reveal */
@@ -26,17 +26,17 @@ export class Findings {
     this._said = null;
     this._shown = '';
     this._verdictSays = '';
-    this._oldSince = 0; // ms; 0: what it says is of the text as it stands
+    this._oldSince = 0; // ms; 0: the findings are of the present text
   }
 
-  /** @param {any} said the check's answer; null: it has none of this text */
+  /** @param {any} said the check's answer; null: none for this text */
   take(said) {
     this._said = said;
     this._shown = '';
     if (said === null) for (const one of [this._list, this._more.children[1]]) one?.replaceChildren();
   }
 
-  /** @param {boolean} isNewest what the check said is of the text as it stands
+  /** @param {boolean} isNewest the findings are of the present text
    * @param {number} now ms */
   show(isNewest, now) {
     this._take();
@@ -49,7 +49,7 @@ export class Findings {
     say(this._verdict, age > SOON_S ? word('plan_old', lasting(age), this._verdictSays) : this._verdictSays);
   }
 
-  /** What is said anew, in the language of now. */
+  /** Write the findings again, in the present language. */
   _take() {
     const said = this._said;
     say(this._title, word('plan_proof'));

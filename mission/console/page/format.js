@@ -1,13 +1,13 @@
 // @ts-check
 /**
- * Numbers, ages and places as people read them; null is what is not known.
+ * Numbers, ages and places for people; null is not known.
  */
 
 import { word } from './words.js';
 
-const NARROW = '\u202f'; // between degrees and minutes: no line ends there
+const NARROW = '\u202f'; // between degrees and minutes: no line break there
 
-/** @param {number} seconds how old; of some hours at most a tenth is told */
+/** @param {number} seconds age; for some hours, to one tenth at most */
 export function lasting(seconds) {
   const s = Math.max(0, seconds);
   if (s < 9.95) return word('seconds', s.toFixed(1));
@@ -30,14 +30,14 @@ export function clock(seconds) {
   return hours ? `${hours}:${rest}` : rest;
 }
 
-/** @param {number | null | undefined} value @param {number} [digits] behind the point */
+/** @param {number | null | undefined} value @param {number} [digits] after the point */
 export function number(value, digits = 1) {
   if (value === null || value === undefined || !Number.isFinite(value)) return '—';
   const text = value.toFixed(digits);
   return Number(text) === 0 ? text.replace('-', '') : text.replace('-', '−');
 }
 
-/** Three figures, as a compass has them. @param {number | null | undefined} deg */
+/** Three digits, as on a compass. @param {number | null | undefined} deg */
 export function bearing(deg) {
   if (deg === null || deg === undefined || !Number.isFinite(deg)) return '—';
   return String((Math.round(deg) % 360 + 360) % 360).padStart(3, '0') + '°';
@@ -50,7 +50,7 @@ export function length(m) {
   return `${number(m / 1000, m < 10_000 ? 2 : m < 100_000 ? 1 : 0)} km`;
 }
 
-/** Degrees and minutes to 2 m, as a chart has them. @param {number} lat @param {number} lon deg */
+/** Degrees and minutes to 2 m, as on a chart. @param {number} lat @param {number} lon deg */
 export function place(lat, lon) {
   return `${minutes(lat, 'N', 'S', 2)} ${minutes(lon, 'E', 'W', 3)}`;
 }

@@ -1,9 +1,9 @@
 // @ts-check
 /**
- * Places on the earth and in metres: WGS 84, a plane that touches it at an origin.
+ * Positions on the earth (WGS 84) and in metres on a plane that touches it at an origin.
  *
- * Up to some 20 km from the origin the plane is true to 0.1 %. Latitude and longitude in degrees,
- * east and north in metres, bearings in degrees clockwise from north.
+ * Up to about 20 km from the origin the plane is accurate to 0.1 %. Latitude and longitude in
+ * degrees, east and north in metres, bearings in degrees clockwise from north.
  */
 
 /** @typedef {[number, number]} Pair */
@@ -19,7 +19,7 @@ export class Frame {
     this.lon = lon;
     const sin = Math.sin(lat * DEG);
     const w = Math.sqrt(1 - E2 * sin * sin);
-    this._north = ((MAJOR * (1 - E2)) / (w * w * w)) * DEG; // m for a degree
+    this._north = ((MAJOR * (1 - E2)) / (w * w * w)) * DEG; // m per degree
     this._east = (MAJOR / w) * Math.cos(lat * DEG) * DEG;
   }
 
@@ -28,7 +28,7 @@ export class Frame {
     return [turned(lon - this.lon) * this._east, (lat - this.lat) * this._north];
   }
 
-  /** A line that goes on where the world's other side begins. @param {readonly Pair[]} line
+  /** A line that stays continuous across the date line. @param {readonly Pair[]} line
    * longitude and latitude @returns {Pair[]} east, north, m */
   alongOf(line) {
     let last = this.lon;
@@ -46,12 +46,12 @@ export class Frame {
   }
 }
 
-/** An angle within -180 and 180. @param {number} deg */
+/** An angle from -180 to 180. @param {number} deg */
 export function turned(deg) {
   return deg - 360 * Math.round(deg / 360);
 }
 
-/** From one point to another. @param {Pair} from @param {Pair} to m
+/** Range and bearing from one point to another. @param {Pair} from @param {Pair} to m
  * @returns {{range: number, bearing: number}} m, deg from 0 to 360 */
 export function between(from, to) {
   const [east, north] = [to[0] - from[0], to[1] - from[1]];

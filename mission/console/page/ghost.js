@@ -1,6 +1,6 @@
 // @ts-check
 /**
- * A ghost flight: the plan flown by the server in a sea of one's choice, and its time scrubbed.
+ * A ghost flight: the server flies the plan in a chosen sea; a slider moves through its time.
  */
 
 import { el, mark, say } from './dom.js';
@@ -14,7 +14,7 @@ const OUTCOMES = { completed: 'good', emergency: 'bad', failed: 'bad' };
 
 export class GhostBox {
   /** @param {() => Page} page @param {() => {text: string, source: string}} plan
-   * @param {(ghost: any) => void} flown null: there is none @param {(t: number) => void} scrubbed */
+   * @param {(ghost: any) => void} flown null: none @param {(t: number) => void} scrubbed */
   constructor(page, plan, flown, scrubbed) {
     this._page = page;
     this._plan = plan;
@@ -55,7 +55,7 @@ export class GhostBox {
     mark(this._says, 'data-level', this._line ? null : level);
   }
 
-  /** The text is another: what was flown was not this one. */
+  /** The text has changed: the flight was of another one. */
   forget() {
     if (!this._done && !this._problem) return;
     [this._done, this._problem] = [null, ''];

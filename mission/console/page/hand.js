@@ -1,12 +1,12 @@
 // @ts-check
 /**
- * Where the operator's hand is: pad or keys, and whether it counts. Sans-IO: the room asks.
+ * The operator's hand on pad or keys, and whether it counts. Sans-IO: the room asks.
  *
  * A hand counts only while the page is visible and focused, the dead man's button is held, and the
- * pad says something new. After the page was away, or a pad was gone, it has to be let go first.
+ * pad sends new values. After the page was hidden, or a pad was lost, it must be let go first.
  */
 
-export const STILL_MS = 10_000; // a pad that says nothing for so long may be out of reach
+export const STILL_MS = 10_000; // a pad without new values for so long may be out of reach
 const DEAD_ZONE = 0.12; // of a pad's axis
 const DEAD_MAN = 4; // left shoulder button, in the standard layout of the Gamepad API
 const STRENGTHS = 12; // gears
@@ -17,7 +17,7 @@ const FIRST = 3;
  *   axes: readonly number[], connected: boolean}} Pad
  * @typedef {{axes: Axes | null, why: '' | 'hidden' | 'away' | 'still' | 'gone' | 'first'}} Held
  *   ``axes``: null while the dead man's button is let go; ``away``: the page was hidden, is in front
- *   again, and the button has been held since */
+ *   again, and the button is still held */
 
 /** @type {Readonly<Record<string, Partial<Axes>>>} */
 const KEYS = {
@@ -33,11 +33,11 @@ export class Hand {
   _stampAt = 0; // ms
   _hadPad = false;
   _why = /** @type {Held['why']} */ ('');
-  _areKeysFree = true; // the dead man's key has been let go since the page was away
-  _isPadFree = false; // and the pad's button, since the pad came
+  _areKeysFree = true; // the dead man's key was let go since the page was hidden
+  _isPadFree = false; // the pad's button was let go since the pad appeared
   strength = FIRST;
 
-  /** Is the key one of the stick's? @param {string} code @param {boolean} shift
+  /** Take a key; is it one of the stick's? @param {string} code @param {boolean} shift
    * @param {boolean} [isRepeat] */
   press(code, shift, isRepeat = false) {
     this._shift = shift;
@@ -60,7 +60,7 @@ export class Hand {
     this.strength = Math.min(STRENGTHS, Math.max(1, this.strength + by));
   }
 
-  /** No key is known to be down, and what is held has to be let go. @param {Held['why']} why */
+  /** Forget all keys; what is held must be let go first. @param {Held['why']} why */
   drop(why) {
     this._down.clear();
     this._shift = this._areKeysFree = this._isPadFree = false;
@@ -113,7 +113,7 @@ export class Hand {
   }
 }
 
-/** Without the play in the middle. @param {number} value of an axis */
+/** The value beyond the dead zone. @param {number} value of an axis */
 export function beyond(value) {
   const size = Math.min(1, Math.abs(value));
   if (!(size > DEAD_ZONE)) return 0;

@@ -1,17 +1,17 @@
 // @ts-check
 /**
- * One undo for a text, whoever changes it: what is typed in one go is one step, each edit of the
- * chart one of its own.
+ * One undo history for a text, whatever changes it: continuous typing is one step, and each edit on
+ * the chart is one step.
  */
 
 /** @typedef {{text: string, at: number, of?: Origin}} Step
- *   ``at``: where the caret stood, UTF-16
+ *   ``at``: position of the caret, UTF-16
  * @typedef {{source: string, notes: string[]}} Origin
- *   of a text that was opened, and of all that is made of it */
+ *   of an opened text, and of all its later versions */
 
 const MOST = 500; // steps
-const CHARACTERS = 1 << 23; // of all of them
-const PAUSE_MS = 800; // of typing, after which another step begins
+const CHARACTERS = 1 << 23; // of all steps together
+const PAUSE_MS = 800; // without typing, after which another step begins
 
 export class History {
   /** @param {Step} first */
@@ -35,7 +35,7 @@ export class History {
     return this._undone.length > 0;
   }
 
-  /** @param {Step} step @param {number} [typed] ms, when; left out: a step of its own */
+  /** @param {Step} step @param {number} [typed] ms, when; without it: a step of its own */
   add(step, typed) {
     const made = { ...step, of: step.of ?? this.now.of };
     if (step.text === this.now.text) {
@@ -64,7 +64,7 @@ export class History {
     return this.now;
   }
 
-  /** The oldest, where they are too many. */
+  /** Drop the oldest steps if there are too many. */
   _forget() {
     let all = this._done.reduce((sum, step) => sum + step.text.length, 0);
     while (this._done.length > 2 && (this._done.length > MOST || all > CHARACTERS)) {

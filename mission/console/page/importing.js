@@ -1,7 +1,7 @@
 // @ts-check
 /**
- * A file that is opened or dropped: a mission as it is, a plan of another program by the server,
- * which asks for what the file does not say, and tells what was left out.
+ * A file that is opened or dropped: a mission is taken as it is. A plan of another program is
+ * converted by the server, which asks for missing data and reports what was left out.
  */
 
 import { el, mark, say } from './dom.js';
@@ -13,7 +13,7 @@ import { word } from './words.js';
  * @typedef {(text: string, source: string, notes: string[]) => void} Opened */
 
 const MISSION = /\.(ya?ml|mission)$/i;
-const MOST = 4 << 20; // bytes, of a plan
+const MOST = 4 << 20; // bytes of a plan
 const MOST_TEXT = 1 << 20;
 
 export class Importing {
@@ -36,7 +36,7 @@ export class Importing {
     /** @type {{name: string, data: string} | null} */
     this._file = null;
     this._wanted = 0;
-    this._since = 0; // ms, of what is being imported; 0: nothing is
+    this._since = 0; // ms, start of the import; 0: none
   }
 
   /** @param {number} now ms */
@@ -104,7 +104,7 @@ export class Importing {
     this._page().redraw();
   }
 
-  /** What is under way is not wanted any more, whatever its answer is. */
+  /** Ignore the answer of the import under way. */
   _drops() {
     this._wanted += 1;
     this._close();
@@ -117,7 +117,7 @@ export class Importing {
   }
 }
 
-/** What a command line would be told, of the fields here. @param {string} why */
+/** A message for the command line, reworded for the fields here. @param {string} why */
 export function inFields(why) {
   return why.replace(/--(home|depth|gear|pick|swap)\b/g, (_, name) =>
     `“${word(`import_${name}`).split(/[:,：，]/)[0]}”`);

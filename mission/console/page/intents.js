@@ -1,10 +1,10 @@
 // @ts-check
 /**
- * What the operator has told a vehicle, and what became of each.
+ * The operator's commands to a vehicle, and their results.
  *
- *     orders     X and W: never too old; the newest leaves again with each new connection until
- *                somebody has acknowledged it
- *     commands   everything else: what cannot leave now is not sent, and said so
+ *     orders     X and W: never too old; the newest is sent again over each new connection until
+ *                it is acknowledged
+ *     commands   everything else: a command that cannot leave now is not sent, and marked so
  */
 
 /**
@@ -12,7 +12,7 @@
  *   | 'unanswered' | 'confirmed' | 'unconfirmed' | 'contradicted'} Fate
  * @typedef {{id: number, do: string, what: string, at: number, is: Fate, says: string,
  *   since: number, have?: number, of?: number}} Intent
- *   ``at``: s since 1970 UTC; ``since``: ms of the page, of the newest answer
+ *   ``at``: s since 1970 UTC; ``since``: the page's time of the newest answer, ms
  * @typedef {{send: (message: object) => boolean}} Way
  */
 
@@ -26,7 +26,7 @@ export class Intents {
     this._ways = ways;
     this._now = now;
     this._wall = wall;
-    this._id = Math.floor(wall()); // another page, or this one loaded anew, has others
+    this._id = Math.floor(wall()); // another page, or this one reloaded, has other ids
     /** @type {Intent[]} newest last */
     this.list = [];
   }
@@ -46,13 +46,13 @@ export class Intents {
     return made;
   }
 
-  /** The orders' connection is there, perhaps to another server than before. */
+  /** The orders' connection is open, perhaps to another server than before. */
   opened() {
     const order = this.last('stop', 'surface');
     if (order && OPEN.has(order.is)) this._leave(this._ways.orders, order, {});
   }
 
-  /** The commands' connection is gone: nobody knows what became of what was under way. */
+  /** The commands' connection is lost: the result of pending commands is unknown. */
   lost() {
     for (const intent of this.list) {
       const isOrder = intent.do === 'stop' || intent.do === 'surface';
@@ -70,7 +70,7 @@ export class Intents {
     if (answer.of !== undefined) Object.assign(intent, { have: answer.have, of: answer.of });
   }
 
-  /** The newest of a kind. @param {...string} names */
+  /** The newest intent of some kinds. @param {...string} names */
   last(...names) {
     return this.list.findLast((one) => names.includes(one.do)) ?? null;
   }

@@ -1,6 +1,6 @@
 // @ts-check
 /**
- * What happened, a line each, the newest below; whoever reads further up is not pulled down.
+ * The events, one line each, the newest at the bottom; it does not scroll while the user reads above.
  */
 
 import { el, say } from './dom.js';
@@ -8,17 +8,17 @@ import { word } from './words.js';
 
 /** @typedef {import('./station.js').Page} Page */
 
-const ROWS = 400; // on the screen; search looks through all
+const ROWS = 400; // on the screen; the search covers all
 const NEAR_PX = 40;
 const STAMP = /^(\d{4}-\d\d-\d\d)T(?=\d\d:\d\d:\d\d)/;
 
 /** @param {string} line @returns {'danger' | 'warning' | null} */
 export function levelOf(line) {
-  if (/\b(?:ALARM|fault|now emergency)\b/.test(line)) return 'danger'; // no ascent that is planned
+  if (/\b(?:ALARM|fault|now emergency)\b/.test(line)) return 'danger'; // not a planned ascent
   return /\b(warning|refused|NOT SENT)\b/.test(line) ? 'warning' : null;
 }
 
-/** Each with its day where that is another than the line's before. @param {readonly string[]} lines */
+/** Each line, with its day if that differs from the line before. @param {readonly string[]} lines */
 export function byDay(lines) {
   let day = '';
   return lines.map((line) => {
@@ -36,9 +36,9 @@ export class Journal {
     this._search = el('input', { type: 'search', oninput: redraw });
     this._list = el('ol', { tabindex: '0' });
     this._shown = '';
-    this._isAtEnd = true; // whoever reads there goes on there, whatever becomes of the room's size
+    this._isAtEnd = true; // then it stays at the end, whatever its size becomes
     this._list.addEventListener('scroll', () => this._look());
-    this._size = ''; // px, that it was followed in
+    this._size = ''; // px, size at the last scroll to the end
     new ResizeObserver(() => this._follow()).observe(this._list);
     root.replaceChildren(el('div', { class: 'head' }, this._title, this._search), this._list);
   }
@@ -60,7 +60,7 @@ export class Journal {
     this._follow();
   }
 
-  /** Another size scrolls by itself, which nobody has wished. */
+  /** Ignore the scrolling that a change of size causes. */
   _look() {
     const { scrollHeight, scrollTop, clientHeight } = this._list;
     if (this._size === sizeOf(this._list)) this._isAtEnd = scrollHeight - scrollTop - clientHeight < NEAR_PX;

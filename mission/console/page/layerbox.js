@@ -1,8 +1,8 @@
 // @ts-check
 /**
- * The list of the charts: which are on, in what order, how strong; files are opened here, too.
+ * The list of the charts: which are on, their order and opacity; files are also opened here.
  *
- * The highest stands first, as it lies.
+ * The highest layer is first.
  */
 
 import { el, mark, say } from './dom.js';

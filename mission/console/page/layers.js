@@ -1,9 +1,9 @@
 // @ts-check
 /**
- * What the chart shows, a function for each layer, lowest first in ``LAYERS``.
+ * The layers of the chart, a function each, lowest first in ``LAYERS``.
  *
- * Points are east and north of the scene's origin, m. Nothing here moves by itself: a vehicle
- * stands where it was last known to be, and looks old when that is old.
+ * Points are east and north of the scene's origin, m. Nothing is extrapolated: a vehicle is drawn at
+ * its last known position, and marked old when that is old.
  */
 
 import { ellipse } from './geo.js';
@@ -23,23 +23,23 @@ import { word } from './words.js';
  *   beside?: {now: Beside | null, other: Beside | null}, charts?: {draw: (pen: Pen, view: View) => void}}} Scene
  * @typedef {{name: string, at: Pair, isOld: boolean}} Other
  * @typedef {{line: Pair[], turns: {at: Pair, around: readonly [number, number, number]}[],
- *   problem: string, isFlown?: boolean}} Still isFlown: it is being worked out
+ *   problem: string, isFlown?: boolean}} Still isFlown: it is being computed
  * @typedef {import('./compare.js').Beside} Beside
  * @typedef {Record<'paper' | 'grid' | 'ink' | 'soft' | 'track' | 'plan' | 'target' | 'limit'
  *   | 'vehicle' | 'old', string>} Inks
  */
 
-/** What a layer draws in, by the colours of the theme. */
+/** A layer's inks, by the names of the theme's colours. */
 export const INK_NAMES = { paper: 'sea', grid: 'grid', ink: 'ink', soft: 'soft', track: 'track', plan: 'plan',
   target: 'target', limit: 'limit', vehicle: 'craft', old: 'old' };
 
-const CELL_PX = 3; // legs that are closer are drawn as one
-const LINE_PX = 90; // between lines of the grid, at least
+const CELL_PX = 3; // legs closer than that are drawn as one
+const LINE_PX = 90; // least distance of grid lines
 /** @type {readonly Pair[]} */
 const HULL = [[0, -15], [9, 11], [0, 6], [-9, 11]]; // px, ahead upward
 /** @type {readonly Pair[]} */
 const CROSS = [[1, 0], [-1, 0], [0, 1], [0, -1]];
-const NARROW = 600; // px: the place stands over the whole width
+const NARROW = 600; // px: below that the position fills the whole width
 const TURN = 2 * Math.PI;
 
 /** @type {ReadonlyArray<(pen: Pen, view: View, scene: Scene, inks: Inks) => void>} */
@@ -86,7 +86,7 @@ function gridNumbers(pen, view, inks, step) {
   const [east, south] = view.toWorld([view.width, view.height]);
   font(pen, 11);
   pen.fillStyle = inks.soft;
-  Object.assign(pen, { strokeStyle: inks.paper, lineWidth: 3, lineJoin: 'round' }); // on a bright scan
+  Object.assign(pen, { strokeStyle: inks.paper, lineWidth: 3, lineJoin: 'round' }); // for bright scans
   const put = (/** @type {string} */ text, /** @type {number} */ x, /** @type {number} */ y) => {
     pen.strokeText(text, x, y);
     pen.fillText(text, x, y);
@@ -123,7 +123,7 @@ function limit(pen, view, scene, inks) {
   pen.setLineDash([]);
 }
 
-/** Every leg, those by heading too, with 95 % of where it will be at each turn.
+/** Every leg, also by heading, with the 95 % ellipse at each turn.
  * @param {Pen} pen @param {View} view @param {Scene} scene @param {Inks} inks */
 function stillWater(pen, view, { still }, inks) {
   if (!still) return;
@@ -154,7 +154,7 @@ function stillWater(pen, view, { still }, inks) {
     inks.plan, inks.paper));
 }
 
-/** In lines of so many characters. @param {string} text @param {number} room */
+/** Break a text into lines of ``room`` characters. @param {string} text @param {number} room */
 export function broken(text, room) {
   /** @type {string[]} */
   const lines = [];
@@ -183,7 +183,7 @@ function plan(pen, view, scene, inks) {
   routeNames(pen, view, { ...scene, routes: seen }, inks);
 }
 
-/** In sight, and one can tell it from those before. @param {View} view @param {Pair[]} points m
+/** In sight, and distinguishable from those before. @param {View} view @param {Pair[]} points m
  * @param {Set<string>} taken cells */
 function isApart(view, points, taken) {
   const [west, north, east, south] = points.reduce(([w, n, e, s], point) => {
@@ -195,7 +195,7 @@ function isApart(view, points, taken) {
   return isSeen && (isLarge || isFree(view, [east, south], taken, CELL_PX));
 }
 
-/** Where two names would meet the later one is left out. @param {Pen} pen @param {View} view
+/** Of two names that would overlap, the later one is left out. @param {Pen} pen @param {View} view
  * @param {Scene} scene @param {Inks} inks */
 function routeNames(pen, view, scene, inks) {
   /** @type {Pair[]} */
@@ -241,7 +241,7 @@ function homeMark(pen, view, scene, inks) {
   label(pen, word('home'), x + 14, y + 13, inks.ink, inks.paper);
 }
 
-/** The track as it is known now, and another dive's. @param {Pen} pen @param {View} view
+/** The smoothed track, and another dive's. @param {Pen} pen @param {View} view
  * @param {Scene} scene @param {Inks} inks */
 function besideLines(pen, view, scene, inks) {
   const { now = null, other = null } = scene.beside ?? {};
@@ -303,7 +303,7 @@ function uncertainty(pen, view, scene, inks) {
   pen.stroke();
 }
 
-/** Vehicles that are not the one that is commanded: small, and by name. @param {Pen} pen
+/** The other vehicles, small and with their names. @param {Pen} pen
  * @param {View} view @param {Scene} scene @param {Inks} inks */
 function others(pen, view, scene, inks) {
   for (const { name, at, isOld } of scene.others) {
@@ -379,7 +379,7 @@ export function font(pen, px, weight = 500) {
   pen.font = `${weight} ${px}px ui-sans-serif, system-ui, "Noto Sans CJK SC", sans-serif`;
 }
 
-/** Text with a rim of the paper, so that lines under it do not hide it. @param {Pen} pen
+/** Text with a rim in the paper's colour, so that it stays readable over lines. @param {Pen} pen
  * @param {string} text @param {number} x @param {number} y px @param {string} ink
  * @param {string} rim @param {CanvasTextAlign} [align] */
 function label(pen, text, x, y, ink, rim, align = 'left') {

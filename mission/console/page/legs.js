@@ -1,9 +1,9 @@
 // @ts-check
 /**
- * The mission's own picture, with the active leg and the groups around it lit.
+ * The mission's graph, with the active leg and its groups highlighted.
  *
- * The picture is taken as XML and built again from the few elements and attributes that drawings
- * have: nothing in it can run, load or look elsewhere. Its colours become those of the light.
+ * The picture is parsed as XML and rebuilt from the few elements and attributes that drawings have:
+ * nothing in it can run or load anything. Its colours become those of the theme.
  */
 
 import { el, mark, say } from './dom.js';
@@ -11,7 +11,7 @@ import { word } from './words.js';
 
 /** @typedef {import('./station.js').Page} Page */
 
-const LARGER = 1.5; // than drawn, where there is room
+const LARGER = 1.5; // magnification, if there is space
 const SVG = 'http://www.w3.org/2000/svg';
 const ELEMENTS = new Set(['svg', 'g', 'rect', 'path', 'text', 'tspan', 'line', 'circle', 'ellipse',
   'polygon', 'polyline', 'title', 'desc']);
@@ -19,7 +19,7 @@ const ATTRIBUTES = new Set(['width', 'height', 'viewBox', 'x', 'y', 'x1', 'y1', 
   'r', 'rx', 'ry', 'd', 'points', 'transform', 'fill', 'stroke', 'stroke-width', 'stroke-dasharray',
   'font-size', 'font-weight', 'font-style', 'font-family', 'text-anchor', 'opacity', 'data-path']);
 
-/** Colours of the drawing, by what they mean here. @type {Readonly<Record<string, string>>} */
+/** Colours of the drawing, by their meaning here. @type {Readonly<Record<string, string>>} */
 const INKS = {
   '#10243e': 'ink', '#33475b': 'ink', '#64748b': 'soft', '#475569': 'soft', '#7891ad': 'soft',
   '#2563a8': 'accent', '#b45309': 'careful', '#a16207': 'careful', '#b91c1c': 'bad',
@@ -69,7 +69,7 @@ export class Legs {
   }
 }
 
-/** @param {string} text @returns {Element | null} null: it is no drawing */
+/** @param {string} text @returns {Element | null} null: not a drawing */
 export function picture(text) {
   const read = new DOMParser().parseFromString(text, 'image/svg+xml').documentElement;
   if (read.localName !== 'svg' || read.namespaceURI !== SVG) return null;

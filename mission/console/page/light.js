@@ -1,6 +1,6 @@
 // @ts-check
 /**
- * Light and language, kept on this computer.
+ * Theme and language, stored on this computer.
  */
 
 import { setLanguage, word } from './words.js';
@@ -10,7 +10,7 @@ import { setLanguage, word } from './words.js';
 const THEMES = ['dark', 'sun', 'red'];
 const LANGUAGES = /** @type {const} */ ({ en: 'en', zh: 'zh-Hans' });
 
-/** What the page says itself, in the language that is chosen. */
+/** Write the page's own texts in the chosen language. */
 export function translate() {
   for (const at of document.querySelectorAll('[data-word]')) {
     at.textContent = word(at.getAttribute('data-word') ?? '');

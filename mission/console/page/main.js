@@ -1,6 +1,6 @@
 // @ts-check
 /**
- * The page: asks what there is, opens the connections, and shows each room what is known.
+ * The page: loads the setup, opens the connections, and updates each room.
  *
  *     frames --Station--> Vehicle (state) --rooms--> screen           presses --Intents--> server
  */
@@ -31,7 +31,7 @@ import { word } from './words.js';
 
 /** @typedef {import('./station.js').Page} Page */
 
-const EVERY_MS = 250; // ages go on without news
+const EVERY_MS = 250; // ages grow without news
 
 /** @param {any} setup @param {string} token */
 function open(setup, token) {

@@ -1,6 +1,6 @@
 // @ts-check
 /**
- * How far it is to each limit: what is left as a bar, the limit, its trend, its age.
+ * The margin to each limit: the remaining part as a bar, the limit, its trend, its age.
  */
 
 import { el, mark, say } from './dom.js';
@@ -16,7 +16,7 @@ const ROWS = [['to_depth', 'm', 1, 1], ['to_radius', 'm', 0, 1], ['to_time', 'mi
   ['to_voltage', 'V', 1, 0.2]];
 const LOW = 0.25;
 const LOWER = 0.1;
-const SOON_S = 3600; // beyond that a trend says nothing
+const SOON_S = 3600; // beyond that a trend means nothing
 
 /** @param {number | null} left @param {number | null} limit @param {number} whole */
 export function level(left, limit, whole) {
@@ -26,7 +26,7 @@ export function level(left, limit, whole) {
   return { share, level: share <= LOWER ? 'bad' : share <= LOW ? 'careful' : 'good' };
 }
 
-/** Why nothing is told of a margin. @param {string} name @param {Record<string, any>} state */
+/** Why a margin is not known. @param {string} name @param {Record<string, any>} state */
 export function unknown(name, state) {
   const isIdle = state['state'] !== undefined && !state['mission_began'];
   return word(name === 'to_time' && isIdle ? 'not_started' : 'unknown');
@@ -62,7 +62,7 @@ export class Margins {
     const far = left === null ? '' : `${number(Math.abs(left), digits)} ${unit}`;
     say(shown.left, left === null ? unknown(name, vehicle.state) : left < 0 ? word('beyond', far) : far);
     const seconds = name === 'to_time' ? null : runsOut(vehicle.strips[name] ?? []);
-    const isFloor = name === 'to_voltage'; // the limit lies below the value
+    const isFloor = name === 'to_voltage'; // the limit is below the value
     const soon = seconds !== null && seconds < SOON_S;
     say(shown.note, soon ? word('reaches', lasting(seconds))
       : limit === null || (left ?? 0) < 0 ? ''

@@ -1,7 +1,7 @@
 // @ts-check
 /**
- * The mission that is to be uploaded: chosen from a file or from those that are shipped, and
- * checked at once, with what is proved of it.
+ * The mission to upload: chosen from a file or from the shipped ones, and checked at once. The
+ * check's proof is shown.
  */
 
 import { el, say } from './dom.js';
@@ -11,16 +11,16 @@ import { word } from './words.js';
 
 /** @typedef {import('./station.js').Page} Page */
 
-const MOST = 1 << 20; // characters: more is no mission
+const MOST = 1 << 20; // characters: a mission is never longer
 
 export class Mission {
-  /** @type {{text: string, source: string} | null} that the check lets pass */
+  /** @type {{text: string, source: string} | null} passed by the check */
   chosen = null;
   digest = '';
   title = '';
-  _wanted = 0; // counts what was chosen: an answer of before is of another mission
+  _wanted = 0; // counts choices: an earlier answer is of another mission
 
-  /** @param {() => Page} page @param {HTMLElement} upload the button that does it */
+  /** @param {() => Page} page @param {HTMLElement} upload its button */
   constructor(page, upload) {
     this._page = page;
     this._file = el('input', { type: 'file', accept: '.yaml,.yml,.mission', class: 'unseen' });
@@ -109,5 +109,5 @@ export function proof(proved) {
   const { worst_time_s: t, worst_energy_wh: e, max_range_m: r, max_depth_m: d, uncertainty_m: u } = proved;
   const parts = [word('proof_time', lasting(t ?? 0)), `${number(e, 0)} Wh`, word('proof_range', length(r ?? 0)),
     word('proof_depth', length(d ?? 0)), `± ${length(u ?? 0)}`];
-  return parts.map((one) => one.replaceAll(' ', '\u00a0')).join(' · '); // no figure is cut from its unit
+  return parts.map((one) => one.replaceAll(' ', '\u00a0')).join(' · '); // keeps units with numbers
 }

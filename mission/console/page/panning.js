@@ -1,6 +1,6 @@
 // @ts-check
 /**
- * A chart that is moved by hand, wheel and keys; what stands on it may be taken instead of it.
+ * A chart moved by pointer, wheel and keys; objects on it may be dragged instead.
  *
  * Positions are CSS pixels of the canvas.
  */
@@ -8,12 +8,12 @@
 /** @typedef {import('./geo.js').Pair} Pair
  * @typedef {import('./view.js').View} View
  * @typedef {{drag: (to: Pair) => void, drop: (to: Pair | null) => void}} Taken
- *   ``drop`` gets null where it is not to be
+ *   ``drop`` gets null if it is cancelled
  * @typedef {{redraw: () => void, moved?: () => void, fit: () => void,
  *   take?: (at: Pair, isTouch: boolean) => Taken | null, keys?: Record<string, () => void>}} Hooks
- *   ``moved``: by hand; ``take``: what is under the finger; ``keys``: beside those that move it */
+ *   ``moved``: by the user; ``take``: the object under the finger; ``keys``: besides those that move it */
 
-const STEP_PX = 60; // of an arrow key
+const STEP_PX = 60; // step of an arrow key
 export const NEARER = 1.4;
 
 export class Panning {
@@ -22,13 +22,13 @@ export class Panning {
     this._canvas = canvas;
     this._view = view;
     this._hooks = hooks;
-    /** @type {Map<number, Pair>} fingers that are down */
+    /** @type {Map<number, Pair>} fingers on the canvas */
     this._fingers = new Map();
     /** @type {Pair | null} */
     this.pointer = null;
     /** @type {Taken | null} */
     this._taken = null;
-    this._takenAt = ''; // where the canvas lay then
+    this._takenAt = ''; // position of the canvas then
     this._listen();
   }
 
@@ -92,23 +92,23 @@ export class Panning {
     /** @type {Pair} */
     const at = [event.offsetX, event.offsetY];
     this._fingers.set(event.pointerId, at);
-    this._leave(null); // two fingers move the chart
+    this._leave(null); // two fingers move the chart, not the object
     if (this._fingers.size === 1) this._taken = this._hooks.take?.(at, event.pointerType === 'touch') ?? null;
     this._takenAt = this._lies();
   }
 
-  /** Where on the page, and how large. */
+  /** Position on the page, and size. */
   _lies() {
     const { x, y, width, height } = this._canvas.getBoundingClientRect();
     return `${x} ${y} ${width} ${height}`;
   }
 
-  /** An alarm pushed the page down under the finger: what is held would land elsewhere. */
+  /** Did the page move under the finger, e.g. by an alarm? The object would land elsewhere. */
   _hasSlid() {
     return this._lies() !== this._takenAt;
   }
 
-  /** One finger moves it, two draw it nearer. @param {PointerEvent} event */
+  /** One finger moves the chart, two zoom it. @param {PointerEvent} event */
   _drag(event) {
     /** @type {Pair} */
     const to = [event.offsetX, event.offsetY];
@@ -146,7 +146,7 @@ export class Panning {
     taken?.drop(at);
   }
 
-  /** What is being dragged goes back. */
+  /** The dragged object goes back. */
   cancel() {
     this._leave(null);
   }

@@ -2,8 +2,8 @@
 /**
  * Charts that are one picture: a scan with its corners, and a grid of depths in colours.
  *
- * The plane of the chart is straight in latitude and longitude, so a picture that is, too, lies
- * exactly.
+ * The plane of the chart is linear in latitude and longitude, so a picture that is linear too is
+ * placed exactly.
  */
 
 import { length } from './format.js';
@@ -14,7 +14,7 @@ import { length } from './format.js';
  * @typedef {import('./charts.js').Inks} Inks
  * @typedef {CanvasRenderingContext2D} Pen
  * @typedef {[number, number, number, number, number, number]} Affine longitude of the upper left
- *   corner, more for each pixel to the right, and down; then latitude */
+ *   corner, its change per pixel to the right, and down; then latitude */
 
 export class Picture {
   /** @param {CanvasImageSource} picture @param {{width: number, height: number,
@@ -35,7 +35,7 @@ export class Picture {
   }
 }
 
-/** From pixels of the picture to those of the screen. @param {Affine} affine
+/** The transform from pixels of the picture to the screen's. @param {Affine} affine
  * @param {number} width @param {number} height @param {(lat: number, lon: number) => Pair} place
  * @returns {[number, number, number, number, number, number]} */
 export function matrix([lon, lonX, lonY, lat, latX, latY], width, height, place) {
@@ -46,7 +46,7 @@ export function matrix([lon, lonX, lonY, lat, latX, latY], width, height, place)
 }
 
 export class Depths {
-  /** @param {Float32Array} depths m, rows from the north; NaN is not known
+  /** @param {Float32Array} depths m, rows from the north; NaN: not known
    * @param {{columns: number, rows: number, least: number, greatest: number,
    *   bounds: [number, number, number, number]}} about */
   constructor(depths, about) {
@@ -65,7 +65,7 @@ export class Depths {
     new Picture(this._canvas, { width: columns, height: rows, affine }).draw(pen, view, frame);
   }
 
-  /** In the colours of the light. @param {Inks} inks */
+  /** In the colours of the theme. @param {Inks} inks */
   _paint({ shallow, deep }) {
     const of = `${shallow} ${deep}`;
     if (of === this._painted) return;
@@ -83,7 +83,7 @@ export class Depths {
     pen.putImageData(picture, 0, 0);
   }
 
-  /** Of the cell that the point is in. @param {Pair} at east, north @param {View} _
+  /** The depth of the cell around the point. @param {Pair} at east, north @param {View} _
    * @param {Frame} frame */
   depthAt(at, _, frame) {
     const depth = cell(this._depths, this._about, ...frame.toEarth(...at));
@@ -93,7 +93,7 @@ export class Depths {
 
 /** @param {Float32Array} depths @param {{columns: number, rows: number,
  *   bounds: [number, number, number, number]}} about @param {number} lat @param {number} lon
- * @returns {number | null} m; null: beside it, or not known */
+ * @returns {number | null} m; null: outside, or not known */
 export function cell(depths, { columns, rows, bounds: [west, south, east, north] }, lat, lon) {
   const x = Math.floor(((lon - west) / (east - west)) * columns);
   const y = Math.floor(((north - lat) / (north - south)) * rows);
@@ -102,7 +102,7 @@ export function cell(depths, { columns, rows, bounds: [west, south, east, north]
   return Number.isNaN(depth) ? null : depth;
 }
 
-/** Half of the colours for the shallower quarter of the depths. @param {number} depth
+/** Use half of the colours for the shallower quarter of the depths. @param {number} depth
  * @param {number} least @param {number} greatest @returns {number} from 0 to 1 */
 export function share(depth, least, greatest) {
   const from = Math.max(0, least);
@@ -117,7 +117,7 @@ export function blend(from, to, part) {
   return a.map((value, i) => Math.round(value + ((b[i] ?? 0) - value) * part));
 }
 
-/** As memory has it, opaque. @param {number[]} rgb */
+/** An opaque pixel in memory order. @param {number[]} rgb */
 function pixel([r = 0, g = 0, b = 0]) {
   return ((255 << 24) | (b << 16) | (g << 8) | r) >>> 0;
 }

@@ -1,6 +1,6 @@
 // @ts-check
 /**
- * What a plan's chart has beside a vehicle's: places that can be taken, and a ghost's way.
+ * What a plan's chart adds to a vehicle's: places that can be dragged, and a ghost's track.
  */
 
 import { ellipse } from './geo.js';
@@ -13,26 +13,26 @@ import { isFree } from './view.js';
  * @typedef {import('./layers.js').Inks} Inks
  * @typedef {import('./view.js').View} View
  * @typedef {{path: string, kind: 'home' | 'place' | 'corner', word: string, at: Pair | null,
- *   row: Pair, spans: Array<[number, number, number]>, fixed: string}} Place as the server tells it
+ *   row: Pair, spans: Array<[number, number, number]>, fixed: string}} Place as the server sends it
  * @typedef {[number, number, number, Pair3]} Believed t, latitude, longitude, ellipse
  * @typedef {[number, number, number]} Pair3
  * @typedef {{track: Array<[number, number, number, number]>, believed: Believed[],
  *   up: Pair3[], seconds: number}} Ghost */
 
-const RINGS = 16; // ellipses along a ghost's way
+const RINGS = 16; // ellipses along a ghost's track
 const NEAR_PX = 14;
-const CELL_PX = 5; // places that are closer are drawn as one
+const CELL_PX = 5; // places closer than that are drawn as one
 const TOUCH_PX = 26;
 const TURN = 2 * Math.PI;
 
-/** The place under the finger, the nearest. @param {readonly Place[]} places @param {Frame} frame
+/** The nearest place under the finger. @param {readonly Place[]} places @param {Frame} frame
  * @param {View} view @param {Pair} at px @param {boolean} isTouch @returns {number} -1: none */
 export function placeNear(places, frame, view, at, isTouch) {
   let [found, best] = [-1, isTouch ? TOUCH_PX : NEAR_PX];
   places.forEach((place, i) => {
     if (place.at === null) return;
     const [x, y] = view.toScreen(frame.toLocal(...place.at));
-    const under = place.kind === 'home' ? 3 : 0; // px: it lies under the first places of many missions
+    const under = place.kind === 'home' ? 3 : 0; // px: it is below the first places of many missions
     const far = Math.hypot(x - at[0], y - at[1]) + under;
     if (far < best) [found, best] = [i, far];
   });
@@ -41,7 +41,7 @@ export function placeNear(places, frame, view, at, isTouch) {
 
 /** @param {Pen} pen @param {View} view @param {Frame} frame @param {Inks} inks
  * @param {readonly Place[]} places @param {number} chosen @param {Pair | null} carried m: where the
- *   chosen one is held */
+ *   chosen one is being moved */
 export function drawPlaces(pen, view, frame, inks, places, chosen, carried) {
   /** @type {Set<string>} */
   const taken = new Set();
@@ -70,7 +70,7 @@ function knob(pen, [x, y], place, isChosen, inks) {
   pen.setLineDash([]);
 }
 
-/** From where it was to where it is held. @param {Pen} pen @param {View} view @param {Pair} from
+/** A line from its old to its present position. @param {Pen} pen @param {View} view @param {Pair} from
  * @param {Pair} to m @param {Inks} inks */
 function tether(pen, view, from, to, inks) {
   pen.strokeStyle = inks.target;
@@ -83,8 +83,8 @@ function tether(pen, view, from, to, inks) {
   pen.setLineDash([]);
 }
 
-/** The way that was believed with its ellipses, the true one, where it came up, and where it was
- * at a time. @param {Pen} pen @param {View} view @param {Frame} frame @param {Inks} inks
+/** The estimated track with its ellipses, the true one, where it surfaced, and where it was at a
+ * time. @param {Pen} pen @param {View} view @param {Frame} frame @param {Inks} inks
  * @param {Ghost} ghost @param {number} t s */
 export function drawGhost(pen, view, frame, inks, ghost, t) {
   const local = (/** @type {readonly any[]} */ row) => frame.toLocal(row[1], row[2]);

@@ -1,11 +1,11 @@
 // @ts-check
 /**
- * The plan: its text and its chart side by side, proved while it is written.
+ * The plan: its text and its chart side by side, checked while it is written.
  *
  *     text --/api/check--> places, proof, faults --> chart, underlines
- *     chart --/api/edit--> text                        the text is the truth
+ *     chart --/api/edit--> text                        the text decides
  *
- * One check is under way at a time; what is newest is checked next.
+ * One check runs at a time; the newest text is checked next.
  */
 
 import { Confirm } from './confirm.js';
@@ -25,11 +25,11 @@ import { word } from './words.js';
  * @typedef {import('./geo.js').Pair} Pair */
 
 const KINDS = ['goto', 'point', 'rows', 'loiter', 'keep_out', 'keep_in'];
-const KEPT = 'plan'; // of this tab's memory
+const KEPT = 'plan'; // key in this tab's storage
 const MOST_KEPT = 1 << 18; // characters
 const AGAIN_MS = 1000;
 const MOST_SAID = 1 << 20; // bytes of a request
-const MOST_ESCAPED = 6; // bytes of a character
+const MOST_ESCAPED = 6; // bytes of a character, at most
 /** @type {import('./history.js').Origin} */
 const NEW = { source: 'plan.yaml', notes: [] };
 
@@ -50,9 +50,9 @@ export class Plan {
     this._page = page;
     this._origin = NEW;
     this._source = NEW.source;
-    /** @type {any} the newest answer of the check */
+    /** @type {any} the check's newest answer */
     this._said = null;
-    this._judged = ''; // the text that it is of
+    this._judged = ''; // the text that it belongs to
     this._isNew = true;
     this._isStarted = false;
     const plan = () => ({ text: this._editor.text, source: this._source });
@@ -217,7 +217,7 @@ export class Plan {
     if (found) this._open(found.text, `${found.name}.yaml`, []);
   }
 
-  /** Another mission, as one step that can be undone. @param {string} text @param {string} source
+  /** Open another mission, as one step that can be undone. @param {string} text @param {string} source
    * @param {string[]} notes */
   _open(text, source, notes) {
     this._problem = '';
@@ -241,12 +241,12 @@ export class Plan {
       this._differing.forget();
     }
     if (text.length < MOST_KEPT) sessionStorage.setItem(KEPT, JSON.stringify({ text, source: this._source }));
-    else sessionStorage.removeItem(KEPT); // an older text would come back
+    else sessionStorage.removeItem(KEPT); // else an older text would come back
     void this._check();
     this._page().redraw();
   }
 
-  /** Another text than before: it was opened, or that was undone. */
+  /** Another mission than before: one was opened, or that was undone. */
   _come() {
     const { of = NEW } = this._editor.history.now;
     if (of === this._origin) return;
@@ -256,7 +256,7 @@ export class Plan {
     this._notes.replaceChildren(...of.notes.map((line) => el('li', {}, word('plan_left_out', line))));
   }
 
-  /** The newest text, and one at a time. */
+  /** Check the newest text; one check at a time. */
   _check() {
     this._checking ??= this._checkAll().finally(() => {
       this._checking = null;
@@ -274,7 +274,7 @@ export class Plan {
         this._take(text, await ask('/api/check', this._page().token, { text, source: this._source }));
       } catch (error) {
         this._tell(error);
-        if (error instanceof Refused) this._leave(text); // no use to ask again
+        if (error instanceof Refused) this._leave(text); // asking again is useless
         else await new Promise((again) => setTimeout(again, AGAIN_MS));
       }
     }
@@ -298,7 +298,7 @@ export class Plan {
     this._page().redraw();
   }
 
-  /** The check takes no such text: nothing of another one stays. @param {string} text */
+  /** The check does not accept this text: remove all results of earlier ones. @param {string} text */
   _leave(text) {
     [this._judged, this._said] = [text, null];
     this._chart.take({}, true);
@@ -308,7 +308,7 @@ export class Plan {
     this._mark();
   }
 
-  /** The place whose line the caret is in is the chosen one. */
+  /** Choose the place whose line the caret is in. */
   _caretMoved() {
     if (this._judged !== this._editor.text || document.activeElement !== this._editor.area) return;
     const { line } = this._editor;
@@ -334,10 +334,10 @@ export class Plan {
     await this._edit({ do: 'add', what, to, ...after }, to);
   }
 
-  /** @param {object} edit @param {Pair} [fresh] the place that is to be there then */
+  /** @param {object} edit @param {Pair} [fresh] the place that will be there then */
   async _edit(edit, fresh) {
     const { text } = this._editor;
-    if (this._judged !== text) return this._tell(word('plan_changed')); // the places are of another
+    if (this._judged !== text) return this._tell(word('plan_changed')); // the places are of another text
     try {
       const found = await want('/api/edit', this._page().token, { text, source: this._source, ...edit });
       if (this._editor.text !== text) return this._tell(word('plan_changed'));
@@ -365,13 +365,13 @@ export class Plan {
   }
 }
 
-/** More than the server takes. @param {{text: string, source: string}} mission */
+/** Larger than the server accepts. @param {{text: string, source: string}} mission */
 export function isTooLarge(mission) {
   const size = () => new TextEncoder().encode(JSON.stringify(mission)).length;
   return mission.text.length * MOST_ESCAPED > MOST_SAID && size() > MOST_SAID;
 }
 
-/** The room, in its place of the page. @param {() => Page} page
+/** The room, at its place on the page. @param {() => Page} page
  * @param {import('./charts.js').Charts} charts */
 export function planRoom(page, charts) {
   return new Plan(byId('planner'), page, charts);

@@ -1,6 +1,6 @@
 // @ts-check
 /**
- * A recording: where it stands, how fast it runs, and its events to jump to.
+ * A recording: its position and speed, and its events to jump to.
  */
 
 import { Compare } from './compare.js';
@@ -15,11 +15,11 @@ import { word } from './words.js';
 const SPEEDS = [1, 2, 5, 10, 20, 50, 100];
 const WARNING = 3; // levels of events
 const ERROR = 4;
-const MARKS = 300; // that are drawn at most
+const MARKS = 300; // drawn at most
 const NEAR_S = 0.5;
-const SLACK_S = 1.5; // to the event before: not the one that has just been
+const SLACK_S = 1.5; // to the event before: not the one just passed
 
-/** The next event in a direction, of those somebody should look at where there are any.
+/** The next event in a direction; of the important ones, if there are any.
  * @param {readonly Event[]} events @param {number} t s @param {1 | -1} way */
 export function eventNear(events, t, way) {
   const worth = events.filter((e) => e.level >= WARNING || /^(now|leg|entered)\b/.test(e.says));
@@ -28,18 +28,18 @@ export function eventNear(events, t, way) {
     : among.findLast((e) => e.t < t - SLACK_S) ?? null;
 }
 
-/** A jump that is under way: a time that was not run to so far takes its time. */
+/** A jump under way: a position that was not reached so far takes time. */
 export class Goal {
   /** @type {number | null} s */
   to = null;
   _since = 0;
 
-  /** @param {number} t s @param {number} snapshots that have come: it begins with one */
+  /** @param {number} t s @param {number} snapshots received: the jump begins with one */
   set(t, snapshots) {
     [this.to, this._since] = [t, snapshots];
   }
 
-  /** Where the operator wants to be, until it is there. @param {number} t where it stands, s
+  /** The wanted position until it is reached. @param {number} t the present position, s
    * @param {number} snapshots */
   at(t, snapshots) {
     if (this.to === null) return t;

@@ -1,6 +1,6 @@
 // @ts-check
 /**
- * What the chart has to show of a vehicle, in metres from home, from what is known of it.
+ * The chart's scene of a vehicle, in metres from home, from what is known of it.
  */
 
 import { Frame } from './geo.js';
@@ -11,7 +11,7 @@ import { freshness } from './state.js';
  * @typedef {import('./layers.js').Route} Route
  * @typedef {import('./state.js').Vehicle} Vehicle */
 
-/** The plane of the chart: at home, or where the vehicle was first. null: no place is known.
+/** The plane of the chart: at home, or at the vehicle's first position. null: no position is known.
  * @param {Vehicle} vehicle */
 export function frameOf(vehicle) {
   const first = vehicle.track[0];
@@ -22,7 +22,7 @@ export function frameOf(vehicle) {
 }
 
 /** @param {Vehicle} vehicle @param {Frame | null} frame @param {number} stale s, of a report
- * @param {number} now ms @param {readonly Vehicle[]} [others] that are shown by name
+ * @param {number} now ms @param {readonly Vehicle[]} [others] shown by name
  * @returns {Scene} */
 export function sceneOf(vehicle, frame, stale, now, others = []) {
   const { state, plan } = vehicle;
@@ -42,7 +42,7 @@ export function sceneOf(vehicle, frame, stale, now, others = []) {
   };
 }
 
-/** The way that is planned in still water. @param {any} said the server's answer, or null
+/** The planned track in still water. @param {any} said the server's answer, or null
  * @param {Frame} frame @returns {import('./layers.js').Still | null} */
 export function stillOf(said, frame) {
   if (!said) return null;
@@ -66,14 +66,14 @@ export function routesOf(map, frame) {
 }
 
 /** @param {Vehicle} vehicle @param {Frame} frame @param {number} stale @param {number} now
- * @returns {import('./layers.js').Other[]} none where it has no place */
+ * @returns {import('./layers.js').Other[]} none if it has no position */
 function other(vehicle, frame, stale, now) {
   const found = here(vehicle, frame, stale, now);
   return found ? [{ name: vehicle.setup.name, at: found.at, isOld: found.isOld }] : [];
 }
 
 /** @param {Vehicle} vehicle @param {Frame} frame @param {number} stale @param {number} now
- * @returns {import('./layers.js').Here | null} where it is, or was when that was last known */
+ * @returns {import('./layers.js').Here | null} its last known position */
 function here(vehicle, frame, stale, now) {
   const { latitude, longitude, heading, ellipse } = vehicle.state;
   const last = vehicle.track.at(-1);

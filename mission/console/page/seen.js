@@ -1,10 +1,10 @@
 // @ts-check
 /**
- * What can be seen from here of what `auvmission doctor` examines on the vehicle: a row each, and
- * below them what doctor itself finds in the vehicle's file.
+ * The checks of `auvmission doctor` that are possible from here, a row each, and below them doctor's
+ * findings in the vehicle's file.
  *
- * What only the vehicle's computer knows (disk, black box, clock, ports) comes as its alarms;
- * without any it is not known to be well, and doctor there says more.
+ * What only the vehicle's computer knows (disk, black box, clock, ports) comes as its alarms. No
+ * alarm does not mean that all is well: doctor on the vehicle knows more.
  */
 
 import { withoutMission } from './bar.js';
@@ -38,7 +38,7 @@ export function findings(vehicle, stale, now) {
   ];
 }
 
-/** Those that are told, and are not to be believed now. @param {Vehicle} vehicle
+/** Reported sensors that are not believed now. @param {Vehicle} vehicle
  * @returns {Finding} */
 function sensors(vehicle) {
   const name = word('sensors');
@@ -59,7 +59,7 @@ function commands(vehicle) {
   return { name, level: 'unknown', says: word('unknown') };
 }
 
-/** What doctor finds in the vehicle's file, in its own words. @param {Doctored} one
+/** Doctor's finding in the vehicle's file, in its own words. @param {Doctored} one
  * @returns {Finding} */
 function ofDoctor({ what, condition, says, todo }) {
   return { name: what, level: CONDITIONS[condition], says: todo ? `${says} — ${todo}` : says };
@@ -83,7 +83,7 @@ function aged(vehicle, name, most, now) {
   return { name: word(name), level, says: old === null ? word('never') : lasting(old) };
 }
 
-/** Those that are off, or broken already. @param {Vehicle} vehicle @returns {Finding} */
+/** Limits that are off, or already breached. @param {Vehicle} vehicle @returns {Finding} */
 function limits(vehicle) {
   const told = LIMITS.filter((name) => Array.isArray(vehicle.state[name]));
   const off = told.filter((name) => vehicle.state[name][1] === null);
@@ -91,7 +91,7 @@ function limits(vehicle) {
   const names = (/** @type {string[]} */ of) => of.map((name) => word(name)).join(', ');
   const name = word('limits');
   if (broken.length) return { name, level: 'bad', says: word('beyond', names(broken)) };
-  // by the command port no bound is told
+  // the command port reports no bound
   if (!told.length || off.length === told.length) return { name, level: 'unknown', says: word('unknown') };
   return off.length ? { name, level: 'careful', says: word('limits_off', names(off)) }
     : { name, level: 'good', says: word('limits_on', names(told)) };

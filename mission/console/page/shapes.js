@@ -1,6 +1,6 @@
 // @ts-check
 /**
- * Charts of shapes: points, lines and areas of the user's own, with the depths they name.
+ * Charts of shapes: the user's own points, lines and areas, with their depths.
  */
 
 import { length } from './format.js';
@@ -15,7 +15,7 @@ import { font } from './layers.js';
  *   deeper: number | null}} Shape longitude and latitude; depths in m */
 
 const DOT_PX = 3;
-const NUMBERS = 400; // soundings with their figure on the screen; of more only the dots
+const NUMBERS = 400; // soundings shown as numbers; more are shown as dots only
 const NEAR_PX = 24;
 
 export class Shapes {
@@ -85,7 +85,7 @@ export class Shapes {
     }
   }
 
-  /** In words: that of the smallest depth area around it, or of the nearest sounding. ''.
+  /** The depth in words, of the smallest depth area around it or the nearest sounding; else ''.
    * @param {Pair} at east, north @param {View} view @param {Frame} frame */
   depthAt(at, view, frame) {
     const near = { far: NEAR_PX / view.scale, says: '' };
@@ -108,7 +108,7 @@ function depths({ depth, deeper }) {
   return deeper === null ? length(depth) : `${depth.toFixed(1)} – ${length(deeper)}`;
 }
 
-/** Even and odd, so that a hole is a hole. @param {Pair} point @param {Pair[][]} rings */
+/** By the even-odd rule, so that holes count. @param {Pair} point @param {Pair[][]} rings */
 export function isInside([x, y], rings) {
   let inside = false;
   for (const ring of rings) {

@@ -1,9 +1,9 @@
 // @ts-check
 /**
- * All that the page knows of a vehicle, changed by ``update`` alone, from a frame.
+ * All that the page knows of a vehicle. Only ``update`` changes it, from a frame.
  *
- * Times that the vehicle gave are its own, s; ``now`` is the page's, ms of ``performance.now()``.
- * The wire is in docs/design/console.md.
+ * Times from the vehicle are its own, s; ``now`` is the page's, ms of ``performance.now()``. The
+ * protocol is in docs/design/console.md.
  */
 
 /**
@@ -24,13 +24,13 @@
  * @typedef {'fresh' | 'old' | 'unknown'} Freshness
  */
 
-export const EVENTS = 1000; // that are kept
+export const EVENTS = 1000; // kept
 export const TRACK = 10_000;
-export const ROWS = 4096; // of the past: beyond, every other one goes
-export const HUNG_MS = 2000; // a frame comes each second: without one the server hangs, or is gone
-const CUT_MS = 3000; // a connection that is lost is opened again within a second
+export const ROWS = 4096; // of the past: beyond that, every other one is dropped
+export const HUNG_MS = 2000; // a frame comes each second: else the server hangs, or has ended
+const CUT_MS = 3000; // a lost connection is opened again within a second
 
-/** Values that a report of the vehicle's board has, with unit and digits behind the point.
+/** Values in a report of the vehicle's board, with unit and digits after the point.
  * @type {Readonly<Record<string, readonly [string, number]>>} */
 export const MEASURED = {
   depth: ['m', 1],
@@ -42,8 +42,8 @@ export const MEASURED = {
   roll: ['°', 0],
 };
 
-export const LATE_S = 2; // without a word of a vehicle that is asked each second: it may hang
-/** What a row of the past has behind its time. */
+export const LATE_S = 2; // without any answer of a vehicle that is asked each second: it may hang
+/** The values of a row of the past, after its time. */
 export const PAST = ['depth', 'altitude', 'heading', 'pitch', 'roll', 'battery', 'uncertainty',
   'to_depth', 'to_radius', 'to_time', 'to_voltage'];
 
@@ -58,21 +58,21 @@ export class Vehicle {
   past = [];
   /** @type {Record<string, Sample[]>} the same, by name */
   strips = {};
-  /** @type {Record<string, Sample>} the last that was known of each value */
+  /** @type {Record<string, Sample>} the last known sample of each value */
   known = {};
   t = 0;
   snapshots = 0;
-  told = 0; // events, those that are forgotten included
-  gap = 0; // events that never came
+  told = 0; // events, including dropped ones
+  gap = 0; // events that are missing
   /** @type {Plan | null} what is on board */
   plan = null;
-  /** @type {any} its track in still water, as the server answers */
+  /** @type {any} its track in still water, from the server */
   still = null;
-  /** @type {Doctored[]} what doctor finds in its file */
+  /** @type {Doctored[]} doctor's findings in its file */
   doctor = [];
   /** @type {number | null} ms */
   heardAt = null;
-  /** @type {number | null} ms, since when X and W have no connection to it */
+  /** @type {number | null} ms, since when X and W have no connection */
   cutAt = null;
 
   /** @param {Setup} setup */
@@ -111,7 +111,7 @@ function remember(vehicle, t) {
   }
 }
 
-/** Rows of the past come as they come to be known: those of before may come last, and twice.
+/** Rows of the past come in any order: older ones may come last, and twice.
  * @param {Vehicle} vehicle @param {Row[]} rows */
 function learn(vehicle, rows) {
   const last = timeOfRow(vehicle.past.at(-1));
@@ -152,7 +152,7 @@ function sum(a, b) {
   return typeof a === 'number' && typeof b === 'number' ? a + b : null;
 }
 
-// --- what follows from it ---
+// --- derived values ---
 
 /** Seconds of the vehicle that pass in one of the page. @param {Vehicle} vehicle */
 export function pace(vehicle) {
@@ -180,7 +180,7 @@ export function isHung(vehicle, now) {
   return vehicle.heardAt === null || now - vehicle.heardAt > HUNG_MS;
 }
 
-/** Seconds since any news of the vehicle; null: none so far, or nobody says.
+/** Seconds since any news of the vehicle; null: none so far, or not known.
  * @param {Vehicle} vehicle @param {number} now ms */
 export function silence(vehicle, now) {
   const told = vehicle.state['silence'];
@@ -188,8 +188,8 @@ export function silence(vehicle, now) {
   return told + Math.max(0, now - vehicle.heardAt) / 1000;
 }
 
-/** Seconds since the vehicle's program has said anything at all, in frames or in answers, of which
- * one comes each second; null: nobody says. @param {Vehicle} vehicle @param {number} now ms */
+/** Seconds since the vehicle's program has sent anything, a frame or an answer, of which one comes
+ * each second; null: not known. @param {Vehicle} vehicle @param {number} now ms */
 export function sinceWord(vehicle, now) {
   const lines = Object.values(vehicle.state['lines'] ?? {}).filter((one) => typeof one === 'number');
   const quiet = silence(vehicle, now);
@@ -197,22 +197,22 @@ export function sinceWord(vehicle, now) {
   return quiet === null ? null : Math.min(quiet, ...lines.map((one) => one + since));
 }
 
-/** Has the vehicle no connection for X and W, and not only while it is opened anew?
+/** Has the vehicle had no connection for X and W, longer than reopening it takes?
  * @param {Vehicle} vehicle @param {number} now ms */
 export function isCut(vehicle, now) {
   return isLive(vehicle) && !vehicle.setup.under_water && vehicle.cutAt !== null && now - vehicle.cutAt > CUT_MS;
 }
 
-/** Of a value that is measured with ``at``. @param {Vehicle} vehicle @param {any} value
+/** The freshness of a value that is measured with ``at``. @param {Vehicle} vehicle @param {any} value
  * @param {string} at @param {number} stale s @param {number} now ms @returns {Freshness} */
 export function freshness(vehicle, value, at, stale, now) {
   const old = age(vehicle, at, now);
   if (value === null || value === undefined || old === null) return 'unknown';
-  const late = stale + Math.max(0, pace(vehicle) - 1); // s: a second of the page more
+  const late = stale + Math.max(0, pace(vehicle) - 1); // s: one more second of the page
   return old > late || isHung(vehicle, now) ? 'old' : 'fresh';
 }
 
-/** Is what is shown of another time than now? @param {Vehicle} vehicle @param {number} now ms */
+/** Is the shown state out of date? @param {Vehicle} vehicle @param {number} now ms */
 export function isOld(vehicle, now) {
   const quiet = silence(vehicle, now);
   return isHung(vehicle, now) || (isLive(vehicle) && (quiet === null || quiet > vehicle.setup.silent_s));
@@ -223,8 +223,8 @@ export function isLive(vehicle) {
   return vehicle.setup.to !== '' && vehicle.setup.source !== 'recording';
 }
 
-/** Seconds until a margin is used up, at the rate of the last minute, or of its last quarter where
- * that is less: a dive that is over falls no more. null: it is not falling.
+/** Seconds until a margin is used up, at the rate of the last minute, or of its last quarter if that
+ * is less, because a descent may have ended. null: it is not falling.
  * @param {Sample[]} samples of what is left */
 export function runsOut(samples, over = 60) {
   const last = samples.at(-1);
@@ -234,8 +234,8 @@ export function runsOut(samples, over = 60) {
   return rate > 1e-6 ? last[1] / rate : null;
 }
 
-/** In a second; 0: nobody knows. @param {Sample[]} samples @param {Sample} last
- * @param {number} within @param {number} least s that it takes to be known */
+/** Fall per second; 0: not known. @param {Sample[]} samples @param {Sample} last
+ * @param {number} within @param {number} least s that are needed */
 function falls(samples, last, within, least) {
   const first = samples.findLast(([t, v]) => v !== null && t <= last[0] - within)
     ?? samples.find(([, v]) => v !== null);

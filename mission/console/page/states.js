@@ -1,6 +1,6 @@
 // @ts-check
 /**
- * What it does and why, how long the leg may last, and how near each guard is to its bound.
+ * The vehicle's state and its reason, the leg's timeout, and how near each guard is to its bound.
  */
 
 import { el, mark, say } from './dom.js';
@@ -11,16 +11,16 @@ import { age, isOld } from './state.js';
 import { word } from './words.js';
 
 /** @typedef {import('./station.js').Page} Page
- * @typedef {[string, Record<string, number | null>]} Guard as written, and what it looks at now
+ * @typedef {[string, Record<string, number | null>]} Guard its text, and its present values
  * @typedef {{text: string, share: number | null}} Progress */
 
-const FROM_ZERO = ['elapsed', 'travelled']; // counted from the leg's begin
-const NEXT_M = 5; // that a distance grows by where it is one to another corner
+const FROM_ZERO = ['elapsed', 'travelled']; // counted from the begin of the leg
+const NEXT_M = 5; // a distance that grows by more is to the next corner
 const COMPARISON = /([a-z_]+)\s*(>=|<=|>|<)\s*(-?\d+(?:\.\d+)?)/g;
 
 /**
- * How far each comparison of a guard has come since ``began`` (values of the leg's begin); null
- * where that is not known.
+ * The progress of each comparison of a guard since ``began`` (values at the begin of the leg); null
+ * if not known.
  * @param {Guard} guard @param {Record<string, number>} began @returns {Progress[]}
  */
 export function progress([text, values], began) {
@@ -34,7 +34,7 @@ export function progress([text, values], began) {
     });
 }
 
-/** How far it was to where the leg goes when it began; undefined: that is not known.
+/** The distance to the leg's goal when the leg began; undefined: not known.
  * @param {import('./state.js').Vehicle} vehicle */
 export function farAtBegin({ plan, state, track }) {
   const [began, leg] = [state['leg_began'], state['leg']];
@@ -45,8 +45,8 @@ export function farAtBegin({ plan, state, track }) {
   return goal && between(frame.toLocal(first[1], first[2]), goal).range;
 }
 
-/** What guards looked at when the leg began: as the strips have it, else as it was seen first; of
- * a distance the greatest on the way to a corner. */
+/** The guards' values at the begin of the leg: from the strips, else as first seen; of a distance
+ * the greatest on the way to a corner. */
 export class Begun {
   /** @type {Record<string, number>} */
   _seen = {};

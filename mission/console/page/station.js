@@ -1,9 +1,9 @@
 // @ts-check
 /**
- * One vehicle with its connections: what is heard updates its state, what is told leaves by them.
+ * One vehicle with its connections: received frames update its state, commands leave by them.
  *
- * A frame is answered when it has been shown, so that the server never sends what waits in front
- * of the screen; a page that is hidden answers at once.
+ * A frame is acknowledged after it was shown, so that frames never queue up in front of the screen.
+ * A hidden page acknowledges at once.
  */
 
 import { Intents } from './intents.js';
@@ -24,8 +24,8 @@ export class Station {
     this.vehicle = new Vehicle(setup);
     this._token = token;
     this._changed = changed;
-    this._unshown = 0; // the frame that is not answered
-    this.problem = ''; // of a connection, the server's words
+    this._unshown = 0; // the frame that is not acknowledged
+    this.problem = ''; // of a connection, in the server's words
     const at = `vehicle=${encodeURIComponent(setup.id)}`;
     const live = isLive(this.vehicle);
     this.intents = this._intents(at, live);
@@ -72,7 +72,7 @@ export class Station {
     this._changed();
   }
 
-  /** What was heard stands on the screen, or nobody looks. */
+  /** The last frame is on the screen, or the page is hidden. */
   shown() {
     if (this._unshown) this.frames.send({ ack: this._unshown });
     this._unshown = 0;
@@ -95,7 +95,7 @@ export class Station {
       this.vehicle.plan = null; // the next change, or the next snapshot, asks again
     }
     if (this.vehicle.still?.digest !== this.vehicle.plan?.digest) this.vehicle.still = null;
-    void this._askDoctor(); // of the vehicle that the plan names
+    void this._askDoctor(); // for the vehicle that the plan names
     this._changed();
     if (this.vehicle.plan && !this.vehicle.still) void this._askStill(this.vehicle.plan.digest);
   }
@@ -106,7 +106,7 @@ export class Station {
     this._changed();
   }
 
-  /** The plan's track in still water: it is flown first. @param {string} digest */
+  /** Ask for the plan's track in still water; the server computes it first. @param {string} digest */
   async _askStill(digest) {
     const id = encodeURIComponent(this.vehicle.setup.id);
     const still = await ask(`/api/vehicles/${id}/planned`, this._token).catch(() => null);
@@ -114,7 +114,7 @@ export class Station {
     this._changed();
   }
 
-  /** Of a recording, once: of a long one it takes its time. */
+  /** Ask once for a recording's hindsight; for a long one it takes time. */
   async askHindsight() {
     if (this._hasAsked) return;
     this._hasAsked = true;

@@ -1,9 +1,9 @@
 // @ts-check
 /**
- * The stick: off until it is taken with a press; what the hand does leaves ten times a second.
+ * The stick: off until it is switched on by a press; then its axes are sent ten times a second.
  *
- * The page says axes only while ``Hand`` counts them; it stops by silence, and the vehicle's own 2 s
- * (R6) are the last line.
+ * The page sends axes only while ``Hand`` counts them. It stops the vehicle by silence; the vehicle's
+ * own timeout of 2 s (R6) is the last safeguard.
  */
 
 import { commander } from './bar.js';
@@ -29,7 +29,7 @@ export class Stick {
     this._hand = new Hand();
     /** @type {Line | null} */
     this._line = null;
-    /** @type {import('./station.js').Station | null} whose it is */
+    /** @type {import('./station.js').Station | null} its vehicle */
     this._of = null;
     /** @type {Told | null} */
     this._told = null;
@@ -61,10 +61,10 @@ export class Stick {
   _listen() {
     document.addEventListener('keydown', (event) => {
       if (!this._line || event.ctrlKey || event.altKey || event.metaKey) return;
-      if (isWriting(event.target) || event.target instanceof HTMLInputElement) return; // a limit
+      if (isWriting(event.target) || event.target instanceof HTMLInputElement) return; // e.g. a limit
       if (this._hand.press(event.code, event.shiftKey, event.repeat) && event.shiftKey) {
         event.preventDefault();
-        event.stopPropagation(); // an arrow that steers moves no chart and no list
+        event.stopPropagation(); // an arrow key that steers does not scroll
       }
     }, { capture: true });
     document.addEventListener('keyup', (event) => this._hand.release(event.code, event.shiftKey));
@@ -73,7 +73,7 @@ export class Stick {
     window.addEventListener('gamepaddisconnected', () => this._tick());
   }
 
-  /** At once, not with the next of the ticks, which a hidden page has late. */
+  /** Send it at once: the ticks of a hidden page are late. */
   _away() {
     if (!this._line) return;
     this._hand.drop('hidden');
@@ -121,7 +121,7 @@ export class Stick {
 
   _tick() {
     if (!this._line) return;
-    if (this._page().chosen !== this._of) return this._drop(); // another vehicle is looked at
+    if (this._page().chosen !== this._of) return this._drop(); // another vehicle was chosen
     const before = this._held.axes;
     const isInFront = document.visibilityState === 'visible' && document.hasFocus();
     this._held = this._hand.held(pad(), isInFront, performance.now());
@@ -184,7 +184,7 @@ export class Stick {
   }
 }
 
-/** The first that is there. @returns {Gamepad | null} */
+/** The first gamepad. @returns {Gamepad | null} */
 function pad() {
   return navigator.getGamepads().find((one) => one?.connected) ?? null;
 }

@@ -1,15 +1,15 @@
 // @ts-check
 /**
- * The track in still water of the text that is being written: flown by the server, a while after
- * the last change, the newest alone.
+ * The track in still water of the text in work: the server computes it a short time after the last
+ * change, for the newest text only.
  */
 
 import { asked } from './flight.js';
 
-const REST_MS = 700; // of the text, before it is flown
+const REST_MS = 700; // without a change of the text, before it is flown
 
 export class StillWater {
-  /** @param {() => string} token @param {(said: any) => void} found null: there is none */
+  /** @param {() => string} token @param {(said: any) => void} found null: none */
   constructor(token, found) {
     this._token = token;
     this._found = found;
@@ -18,22 +18,22 @@ export class StillWater {
     this._line = null;
   }
 
-  /** The text is another. */
+  /** The text has changed. */
   forget() {
     clearTimeout(this._timer);
-    this._line?.close(); // ends what is flown for it
+    this._line?.close(); // ends its flight
     this._line = null;
     this._found(null);
   }
 
-  /** @param {{text: string, source: string}} plan that is proved */
+  /** @param {{text: string, source: string}} plan that passed the check */
   want(plan) {
     this.forget();
     this._found({ is: 'flown' });
     this._timer = setTimeout(() => this._ask(plan), REST_MS);
   }
 
-  /** No vehicle would take the text. @param {string} why */
+  /** No vehicle would accept the text. @param {string} why */
   refuse(why) {
     this.forget();
     this._found({ is: 'refused', says: why });

@@ -1,9 +1,9 @@
 // @ts-check
 /**
- * Values by time, one under the other with one axis of time; depth with the floor under it.
+ * Values over time, one below the other with one time axis; the depth together with the floor.
  *
- * Where a value was not known there is no line. Nothing is interpolated between two reports that
- * lie more than ``GAP_S`` apart, or further than those that are kept of a long past.
+ * There is no line where a value was not known, nor between two reports that are more than ``GAP_S``
+ * apart, or further apart than the rows kept of a long past.
  */
 
 import { inksOf, sheet } from './canvas.js';
@@ -30,20 +30,20 @@ const SPECS = [
 const SPANS_S = [300, 1200, 3600, 0]; // 0: all
 const SHORTEST_S = 60;
 const GAP_S = 15;
-const LEFT = 118; // px, of names and numbers
-const HIGH = 40; // px, of a strip at least
+const LEFT = 118; // px, for names and numbers
+const HIGH = 40; // px, least height of a strip
 const NAMES = { ink: 'ink', soft: 'soft', grid: 'edge', line: 'track', fill: 'depths', floor: 'careful',
   paper: 'panel', at: 'target' };
 
-/** s between two samples up to which they are one line: of a long past so many rows are kept that
- * they lie further apart. @param {readonly Sample[]} samples */
+/** Greatest time between two samples of one line, s. Of a long past only some rows are kept, which
+ * are further apart. @param {readonly Sample[]} samples */
 export function gapOf(samples) {
   const spanned = (samples.at(-1)?.[0] ?? 0) - (samples[0]?.[0] ?? 0);
   const apart = 2 ** Math.ceil(Math.log2(Math.max(1, spanned / ROWS)));
   return Math.max(GAP_S, 2.5 * apart);
 }
 
-/** Runs of samples without a gap, within the times. @param {readonly Sample[]} samples
+/** Runs of samples without a gap, between two times. @param {readonly Sample[]} samples
  * @param {number} from @param {number} to s @param {number} [gap] s
  * @returns {Array<Array<[number, number]>>} */
 export function runs(samples, from, to, gap = GAP_S) {
@@ -63,7 +63,7 @@ export function runs(samples, from, to, gap = GAP_S) {
   return found;
 }
 
-/** As many as have room, from the first on; behind the last comes the first again. @template T
+/** As many as fit, from the first on; the first follows the last. @template T
  * @param {readonly T[]} of @param {number} first @param {number} fit @returns {T[]} */
 export function turned(of, first, fit) {
   const begin = of.length > fit ? first % of.length : 0;
@@ -77,8 +77,8 @@ export class Strips {
     this._span = SPANS_S[1] ?? 0;
     /** @type {number | null} px */
     this._pointer = null;
-    this._fit = 1; // strips that have room
-    this._first = 0; // of those that are known, where not all have room
+    this._fit = 1; // strips that fit
+    this._first = 0; // of the known strips, if not all fit
     this._more = el('button', { type: 'button', class: 'more', onclick: () => this._turn() });
     this._title = el('h2', {}, this._more);
     this._spans = el('div', { class: 'tabs', role: 'group' },
@@ -97,7 +97,7 @@ export class Strips {
     this._redraw();
   }
 
-  /** To those that have no room now. */
+  /** Show the strips that did not fit. */
   _turn() {
     this._first += this._fit;
     this._redraw();
@@ -134,7 +134,7 @@ export class Strips {
     this._tell(specs, vehicle);
   }
 
-  /** @param {number} count of strips that are known */
+  /** @param {number} count of known strips */
   _sayMore(count) {
     this._more.disabled = count <= this._fit;
     say(this._more, this._more.disabled ? word('strips') : `${word('strips')} ▾`);
@@ -175,7 +175,7 @@ export class Strips {
     if (at !== null && shown) cursor(pen, axis.x(shown[0]), y(shown[1]), [top, high], inks.at);
   }
 
-  /** For who cannot see it. @param {readonly Spec[]} specs
+  /** A text for screen readers. @param {readonly Spec[]} specs
    * @param {import('./state.js').Vehicle} vehicle */
   _tell(specs, vehicle) {
     const text = specs.map((s) => `${word(s.name)} ${number(vehicle.strips[s.name]?.at(-1)?.[1], 1)} ${s.unit}`);
@@ -197,7 +197,7 @@ export function bounds(values, spec) {
   return low >= 0 && low < up / 2 ? [0, Math.max(up, spec.least)] : [middle - half, middle + half];
 }
 
-/** The last at or before a time. @param {Array<[number, number]>} points @param {number} t */
+/** The last point at or before a time. @param {Array<[number, number]>} points @param {number} t */
 function nearest(points, t) {
   return points.findLast((p) => p[0] <= t) ?? null;
 }
@@ -239,7 +239,7 @@ function lines(pen, found, axis, y, ink, wide, jump) {
   pen.stroke();
 }
 
-/** The water above. @param {Pen} pen @param {Runs} found @param {Axis} axis
+/** Fill the water above the line. @param {Pen} pen @param {Runs} found @param {Axis} axis
  * @param {(v: number) => number} y @param {number} top @param {string} ink */
 function area(pen, found, axis, y, top, ink) {
   pen.fillStyle = ink;

@@ -1,10 +1,9 @@
 // @ts-check
 /**
- * Rooms that share a place take turns in it: two places on a wide screen, one on a narrow one.
+ * Tabs for rooms that share a place: two places on a wide screen, one on a narrow one.
  *
- * Each tab names its room; arrow keys go from one to the next. A room that is out of sight on the
- * one is ``wide-off``, on the other ``narrow-off``. What is picked on the one stands on the other,
- * too: a tablet is turned.
+ * Each tab names its room; arrow keys move between tabs. A hidden room is ``wide-off`` on a wide
+ * screen, ``narrow-off`` on a narrow one. A choice counts for both, because a tablet may be turned.
  */
 
 import { byId, el, mark, say } from './dom.js';
@@ -13,8 +12,8 @@ import { word } from './words.js';
 /** @typedef {'wide-off' | 'narrow-off'} Off */
 
 export class Tabs {
-  /** @param {HTMLElement} root @param {readonly string[]} rooms ids, which are words, too
-   * @param {Off} off @param {(room: string) => void} picked by hand: every place takes it */
+  /** @param {HTMLElement} root @param {readonly string[]} rooms ids, which are also keys of words
+   * @param {Off} off @param {(room: string) => void} picked by the user: every place shows it */
   constructor(root, rooms, off, picked) {
     this._rooms = rooms;
     this._off = off;
@@ -27,7 +26,7 @@ export class Tabs {
     this.take(this.chosen);
   }
 
-  /** Nothing changes where another place has it. @param {string} room */
+  /** Show a room; a place without this room does not change. @param {string} room */
   take(room) {
     if (!this._rooms.includes(room)) return;
     this.chosen = room;

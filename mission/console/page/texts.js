@@ -1,7 +1,7 @@
 // @ts-check
 /**
- * Places in a text as the server tells them (line and column from 1, in characters) and as a
- * textarea has them (offsets in UTF-16 units).
+ * Positions in a text, converted from the server's (line and column from 1, in characters) to those
+ * of a textarea (offsets in UTF-16 units).
  */
 
 /** @typedef {readonly [number, number, number]} Span line, column, length */
@@ -13,7 +13,7 @@ export function linesOf(text) {
   return starts;
 }
 
-/** The line that an offset is in, from 1. @param {readonly number[]} starts @param {number} at */
+/** The line of an offset, from 1. @param {readonly number[]} starts @param {number} at */
 export function lineAt(starts, at) {
   let [low, high] = [0, starts.length];
   while (high - low > 1) {
@@ -24,7 +24,7 @@ export function lineAt(starts, at) {
   return low + 1;
 }
 
-/** Begin and end. @param {string} text @param {readonly number[]} starts @param {Span} span
+/** Begin and end of a span. @param {string} text @param {readonly number[]} starts @param {Span} span
  * @returns {[number, number]} */
 export function rangeOf(text, starts, [line, column, length]) {
   const begin = starts[Math.max(0, Math.min(line, starts.length) - 1)] ?? 0;
@@ -33,7 +33,7 @@ export function rangeOf(text, starts, [line, column, length]) {
   return [from, forward(text, from, length, end)];
 }
 
-/** So many characters on. @param {string} text @param {number} at @param {number} count
+/** The offset ``count`` characters further. @param {string} text @param {number} at @param {number} count
  * @param {number} end */
 function forward(text, at, count, end) {
   let to = at;

@@ -1,7 +1,7 @@
 // @ts-check
 /**
- * Charts of tiles (Web Mercator): each is placed by its corners, which is less than a fifth of
- * its own pixel from the truth at zoom 10 and above.
+ * Charts of tiles (Web Mercator): each is placed by its corners. At zoom 10 and above the error is
+ * less than a fifth of a pixel.
  */
 
 /** @typedef {import('./geo.js').Pair} Pair
@@ -10,9 +10,9 @@
  * @typedef {CanvasRenderingContext2D} Pen */
 
 const DEG = Math.PI / 180;
-const EQUATOR_M = 2 * Math.PI * 6378137; // around
+const EQUATOR_M = 2 * Math.PI * 6378137; // circumference
 const TILE_PX = 256;
-const AT_ONCE = 150; // tiles of one drawing
+const AT_ONCE = 150; // tiles in one drawing
 const KEPT = 400; // pictures
 const LOADING = 6;
 
@@ -23,7 +23,7 @@ export function cornerOf(z, x, y) {
   return [Math.atan(Math.sinh(Math.PI * (1 - (2 * y) / n))) / DEG, (x / n) * 360 - 180];
 }
 
-/** Column and row with their fractions. @param {number} z @param {number} lat
+/** Column and row, with fractions. @param {number} z @param {number} lat
  * @param {number} lon @returns {Pair} */
 export function tileAt(z, lat, lon) {
   const n = 2 ** z;
@@ -31,7 +31,7 @@ export function tileAt(z, lat, lon) {
   return [((lon + 180) / 360) * n, ((1 - flat) / 2) * n];
 }
 
-/** The zoom whose pixels come closest to the screen's. @param {number} scale px a metre
+/** The zoom whose pixels are closest to the screen's. @param {number} scale px per metre
  * @param {number} lat @param {number} least @param {number} greatest */
 export function zoomFor(scale, lat, least, greatest) {
   const z = Math.round(Math.log2((EQUATOR_M * Math.cos(lat * DEG) * scale) / TILE_PX));
@@ -61,7 +61,7 @@ export class Tiles {
     for (const [x, y] of seen.slice(0, AT_ONCE)) this._tile(pen, view, frame, z, x, y);
   }
 
-  /** Until it is there, the part of a larger one that is. @param {Pen} pen @param {View} view
+  /** Draw a tile; until it is loaded, the part of a larger one. @param {Pen} pen @param {View} view
    * @param {Frame} frame @param {number} z @param {number} x @param {number} y */
   _tile(pen, view, frame, z, x, y) {
     this._want(z, x, y);
@@ -112,7 +112,7 @@ function screen(view, frame, place) {
   return [Math.round(x), Math.round(y)];
 }
 
-/** Column and row of all that can be seen, the middle first. @param {View} view
+/** Column and row of all visible tiles, the middle first. @param {View} view
  * @param {Frame} frame @param {number} z @returns {Pair[]} */
 function inSight(view, frame, z) {
   const [west, north] = tileAt(z, ...frame.toEarth(...view.toWorld([0, 0])));
@@ -122,7 +122,7 @@ function inSight(view, frame, z) {
   const [y0, y1] = [Math.max(0, Math.floor(north)), Math.min(last, Math.floor(south))];
   /** @type {Pair[]} */
   const found = [];
-  const most = 20 * AT_ONCE; // more is too many in any case
+  const most = 20 * AT_ONCE; // more than that are never needed
   for (let x = x0; x <= x1 && found.length < most; x += 1) {
     for (let y = y0; y <= y1 && found.length < most; y += 1) found.push([x, y]);
   }

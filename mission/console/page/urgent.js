@@ -1,8 +1,8 @@
 // @ts-check
 /**
- * X and W: one press each, by finger, mouse or key, in every view; what became of it stands on it.
+ * X and W: one press each, by finger, mouse or key, in every view; the button shows the result.
  *
- * The keys work wherever no text is being written. A key that repeats is one press.
+ * The keys work unless the user is typing text. A repeating key counts as one press.
  */
 
 import { el, isWriting, say } from './dom.js';
@@ -17,7 +17,7 @@ import { word } from './words.js';
 const KEYS = { x: 'stop', w: 'surface' };
 const SHOWN_S = 600;
 
-/** The letter of a key, also where letters are not Latin. @param {KeyboardEvent} event */
+/** The letter of a key, also on a keyboard with other than Latin letters. @param {KeyboardEvent} event */
 export function letter(event) {
   if (/^[a-z]$/i.test(event.key)) return event.key.toLowerCase();
   const isOther = event.key.length > 1 ? event.key === 'Process' : event.key > '\u024f';
@@ -39,7 +39,7 @@ export class Urgent {
       if (event.button === 0) this._order(order, event);
     });
     button.addEventListener('click', (event) => {
-      if (event.detail === 0) this._order(order, event); // by key: a pointer has said it already
+      if (event.detail === 0) this._order(order, event); // by key: a pointer has sent it already
     });
   }
 
@@ -72,7 +72,7 @@ export class Urgent {
     }
   }
 
-  /** Of the newest of the kind: this page's, or another's. @param {Page} page
+  /** The result of the newest such order, of this page or another. @param {Page} page
    * @param {Order} order @param {number} now */
   _became(page, order, now) {
     const { vehicle, intents } = page.chosen;

@@ -1,8 +1,9 @@
 // @ts-check
 /**
- * The values that matter most, large, each with its age beside it.
+ * The most important values, large, each with its age beside it.
  *
- * Old is grey, slanted and says OLD; not known is struck through, with what was known last.
+ * An old value is grey, slanted and marked OLD. An unknown one is struck through, with its last known
+ * value.
  */
 
 import { el, mark, say } from './dom.js';

@@ -34,13 +34,13 @@ export class View {
     ];
   }
 
-  /** @param {number} x @param {number} y px that the chart is moved by */
+  /** @param {number} x @param {number} y px by which the chart moves */
   pan(x, y) {
     this.east -= x / this.scale;
     this.north += y / this.scale;
   }
 
-  /** Nearer (above 1) or farther; what is under ``at`` stays. @param {number} factor
+  /** Zoom in (factor above 1) or out; the point under ``at`` stays. @param {number} factor
    * @param {Pair} [at] px */
   zoom(factor, at = [this.width / 2, this.height / 2]) {
     const [east, north] = this.toWorld(at);
@@ -50,7 +50,7 @@ export class View {
     this.north += north - n;
   }
 
-  /** What reaches so far around the middle is not on the screen. @param {number} radius m */
+  /** Does this radius around the middle exceed the screen? @param {number} radius m */
   isOutgrown(radius) {
     return radius * this.scale > Math.min(this.width, this.height) / 2;
   }
@@ -61,12 +61,12 @@ export class View {
     this.north = north;
   }
 
-  /** Another origin: what is on the screen stays. @param {Pair} by m, where it lies */
+  /** Move the origin without moving the picture. @param {Pair} by m, its new position */
   shift([east, north]) {
     this.centre([this.east - east, this.north - north]);
   }
 
-  /** All of the points on the screen. @param {Pair[]} points m @param {number} [margin] px */
+  /** Fit all points on the screen. @param {Pair[]} points m @param {number} [margin] px */
   fit(points, margin = 56) {
     if (points.length === 0) return;
     const [west, east] = extent(points.map((p) => p[0]));
@@ -79,20 +79,20 @@ export class View {
   }
 }
 
-/** The least and the greatest. @param {number[]} values @returns {Pair} */
+/** Minimum and maximum. @param {number[]} values @returns {Pair} */
 export function extent(values) {
   return values.reduce((/** @type {Pair} */ [a, b], v) => [Math.min(a, v), Math.max(b, v)],
     [Infinity, -Infinity]);
 }
 
-/** A round length (1, 2 or 5 times a power of ten) of at least so much.
+/** The least round length (1, 2 or 5 times a power of ten) of ``least`` or more.
  * @param {number} least above 0 */
 export function roundUp(least) {
   const ten = 10 ** Math.floor(Math.log10(least) + 1e-9);
   return ten * ([1, 2, 5].find((n) => n * ten >= least * (1 - 1e-9)) ?? 10);
 }
 
-/** The lines of a grid between two values. @param {number} from @param {number} to
+/** The grid lines between two values. @param {number} from @param {number} to
  * @param {number} step @returns {number[]} */
 export function ticks(from, to, step) {
   const first = Math.ceil(from / step - 1e-9);
@@ -100,7 +100,7 @@ export function ticks(from, to, step) {
   return Array.from({ length: Math.max(0, Math.min(count, 1000)) }, (_, i) => (first + i) * step);
 }
 
-/** In sight, and not on another's cell: of thousands no more are drawn than can be told apart.
+/** In sight, and in a free cell: only as many are drawn as can be distinguished.
  * @param {View} view @param {Pair} at px @param {Set<string>} taken cells @param {number} cell px */
 export function isFree(view, [x, y], taken, cell) {
   if (x < -cell || y < -cell || x > view.width + cell || y > view.height + cell) return false;

@@ -1,21 +1,21 @@
 // @ts-check
 /**
- * Connections to the console's server: each opens itself again, and one that hangs is left.
+ * Connections to the console's server: each reopens itself, and a hanging one is dropped.
  *
- * Nothing waits here to be sent: what cannot leave now is the caller's to say again, or not.
+ * Nothing waits here to be sent: if a message cannot leave now, the caller may repeat it.
  */
 
 export const AGAIN_MS = 1000;
 const OPENING_MS = 3000;
-export const HUNG = 'hung'; // why a connection was left that said nothing in time
-const REFUSED = 1008; // the server's: what we said is none of its words
+export const HUNG = 'hung'; // reason for dropping a connection without messages in time
+const REFUSED = 1008; // the server's code for a malformed message
 
 /** @typedef {{opened?: () => void, closed?: (why: string) => void,
  *   heard: (message: any) => void}} Ears */
 
 export class Line {
   /** @param {string} path with its query @param {string} token @param {Ears} ears
-   * @param {number} [hung] ms without a message after which it is left; 0: never */
+   * @param {number} [hung] ms without a message after which it is dropped; 0: never */
   constructor(path, token, ears, hung = 0) {
     this._path = path;
     this._token = token;
@@ -32,14 +32,14 @@ export class Line {
     return this._socket?.readyState === WebSocket.OPEN;
   }
 
-  /** False: it has not left. @param {object} message */
+  /** Return whether it was sent. @param {object} message */
   send(message) {
     if (!this.isOpen) return false;
     this._socket?.send(JSON.stringify(message));
     return true;
   }
 
-  /** One that is being opened is closed once it is: before that, the browser calls it an error. */
+  /** A connection that is being opened is closed after that; earlier, the browser reports an error. */
   close() {
     this._over = true;
     clearTimeout(this._timer);
@@ -66,13 +66,13 @@ export class Line {
     socket.onclose = (event) => this._gone(event.code === REFUSED ? event.reason : '');
   }
 
-  /** Something within so many ms. @param {number} ms */
+  /** Expect a message within ``ms``. @param {number} ms */
   _expect(ms) {
     clearTimeout(this._timer);
     if (ms > 0) this._timer = setTimeout(() => this._gone(HUNG), ms);
   }
 
-  /** One that is still being opened is told and waited for: to give it up, the browser calls an error.
+  /** Report the loss. One that is still being opened is waited for: else the browser reports an error.
    * @param {string} why */
   _gone(why) {
     const opening = why === HUNG && this._socket?.readyState === WebSocket.CONNECTING;
@@ -82,7 +82,7 @@ export class Line {
     if (!opening && !this._over) this._timer = setTimeout(() => this._open(), AGAIN_MS);
   }
 
-  /** Without waiting for the other end, which may never answer. */
+  /** Close it without waiting for the other end, which may never answer. */
   _leave() {
     const socket = this._socket;
     if (socket === null) return;
@@ -92,7 +92,7 @@ export class Line {
   }
 }
 
-/** The token, out of the address and into the memory of this tab. @returns {string} "": none */
+/** Move the token from the address into this tab's storage. @returns {string} "": none */
 export function takeToken() {
   const given = location.hash.slice(1);
   if (given) {
@@ -110,7 +110,7 @@ export class Refused extends Error {
   }
 }
 
-/** What is no JSON: a picture, depths. @param {string} path @param {string} token
+/** Load data other than JSON: a picture, depths. @param {string} path @param {string} token
  * @returns {Promise<Response>} Raises Refused. */
 export async function load(path, token) {
   const answer = await fetch(path, { headers: { Authorization: `Bearer ${token}` } });
@@ -118,7 +118,7 @@ export async function load(path, token) {
   return answer;
 }
 
-/** @param {string} path @param {string} token @param {object} [body] it is posted; a file as it is
+/** @param {string} path @param {string} token @param {object} [body] posted; a file as it is
  * @returns {Promise<any>} Raises Refused, with what the server says. */
 export async function ask(path, token, body) {
   const headers = new Headers({ Authorization: `Bearer ${token}` });
@@ -131,7 +131,7 @@ export async function ask(path, token, body) {
   return said;
 }
 
-/** The same of what may be refused with words, which is no fault. @param {string} path
+/** The same for requests that may be refused with words, which is no fault. @param {string} path
  * @param {string} token @param {object} body @returns {Promise<any>} Raises Refused. */
 export async function want(path, token, body) {
   const said = await ask(path, token, body);

@@ -1,9 +1,9 @@
 // @ts-check
 /**
- * Every word that the page itself says, in English and Chinese: one table.
+ * All texts of the page itself, in English and Chinese, in one table.
  *
- * What vehicles and missions say is shown as it comes; ``of`` translates names that are the same
- * everywhere (limits, alarms). {0}, {1}: what is put in.
+ * Texts from vehicles and missions are shown unchanged; ``named`` translates names that are the same
+ * everywhere (limits, alarms). {0}, {1}: values that are put in.
  */
 
 /** @type {Readonly<Record<string, readonly [string, string]>>} */
@@ -27,7 +27,7 @@ export const WORDS = {
   review_room: ['Recording', '回放'],
   vehicle: ['Vehicle', '航行器'],
 
-  // where it comes from
+  // sources
   live: ['LIVE', '实时'],
   simulation: ['SIMULATION', '仿真'],
   review: ['RECORDING', '回放'],
@@ -340,7 +340,7 @@ export function inLanguage() {
   return language;
 }
 
-/** What the page says. @param {string} key Throws an Error for one that the table has not.
+/** A text of the page. @param {string} key Throws an Error for an unknown one.
  * @param {...(string | number)} put */
 export function word(key, ...put) {
   const row = WORDS[key];
@@ -349,7 +349,7 @@ export function word(key, ...put) {
     row[language === 'zh' ? 1 : 0]);
 }
 
-/** A name of the vehicle's, for whoever reads. @param {string} name */
+/** A name of the vehicle's, in the user's language. @param {string} name */
 export function named(name) {
   return language === 'zh' ? (NAMES[name] ?? name) : name;
 }

@@ -1,12 +1,12 @@
 """The black box: every record in an MCAP file, readable after a power cut at any byte.
 
-form      the bytes of a file that grows     reading     what is whole, and what is missing
-box       what writes it                     scan        whole records out of damaged bytes
-closed    a part that is closed, in chunks   first_form  what the first form's payloads were
-parts     names, and parts of a recording    tail        a file that is being written
+form      the bytes of a growing file      reading     whole records, and the gaps between them
+box       the writer                       scan        whole records in damaged bytes
+closed    converts closed parts            first_form  converts records of the first form
+parts     names of recordings and parts    tail        reads a file that is being written
 
-What does not live here: what the payloads mean (runtime.records), what is derived from them
-(stream), the comparison (analysis.replay).
+What does not live here: the payloads (runtime.records), values derived from them (stream), the
+comparison with a replay (analysis.replay).
 """
 
 from mission.onboard.blackbox.box import BlackBox

@@ -1,4 +1,4 @@
-"""Parts of black boxes into their last form, giving way to everything else.
+"""Convert parts of black boxes to their final form, at the lowest priority.
 
 python -m mission.onboard.blackbox PART...
 """

@@ -1,11 +1,11 @@
-"""What writes a black box, record by record.
+"""The writer of a black box, record by record.
 
-A file that has grown to its limit is closed and goes on in the next part. A disk that fails must
-not stop the vehicle: nothing here raises after opening, nor where a shell stores. What cannot be
-written waits, the first ``WAITING`` bytes of it; what is lost is counted, and its numbers are
-missing in the file.
+A file that has reached its limit is closed, and the recording continues in the next part. A failing
+disk must not stop the vehicle: nothing here raises after opening, nor when a shell stores. Bytes
+that cannot be written wait, up to ``WAITING``. Further records are counted as lost, and their
+numbers are missing in the file.
 
-What does not live here: the bytes (form), what becomes of a part that is closed (closed).
+What does not live here: the bytes (form), the conversion of a closed part (closed).
 """
 
 from __future__ import annotations
@@ -19,18 +19,19 @@ from mission.onboard.blackbox.form import LIMIT, NS, BlackBoxError, count, foot,
 from mission.onboard.blackbox.parts import free, part_path
 from mission.onboard.runtime.records import START
 
-WAITING = 16 << 20  # bytes kept while the disk does not take them
+WAITING = 16 << 20  # bytes kept while the disk cannot be written
 _BATCH = 1 << 16
 
 
 class BlackBox:
     """A Recorder. ``wall``: s since 1970 UTC at the engine's time 0 (0: none, as in simulation).
 
-    ``shell`` False: ``record`` writes by itself, in batches, never synced. True: ``record`` only
-    keeps; the shell calls ``take`` in the same thread and gives what it got to ``store`` in
-    another, one at a time; the first ``store`` makes the file, by a name that is free then, and
-    each tries again where that failed.
-    Raises BlackBoxError if the file cannot be made and there is no shell.
+    ``shell`` False: ``record`` writes the file itself, in batches, never synced. Raises
+    BlackBoxError if the file cannot be created.
+
+    ``shell`` True: ``record`` only buffers. The shell calls ``take`` in the same thread, and gives
+    the bytes to ``store`` in another thread, one call at a time. The first ``store`` creates the
+    file under a free name; if that fails, the next ``store`` tries again.
     """
 
     def __init__(
@@ -60,12 +61,12 @@ class BlackBox:
             self.store(self.take())
 
     def take(self) -> bytes:
-        """What was recorded since the last call: whole records."""
+        """Return the records since the last call, as whole messages."""
         data, self._pending = bytes(self._pending), bytearray()
         return data
 
     def store(self, data: bytes, sync: bool = False) -> None:
-        """Never raises: ``failure`` says what the disk said last, "" if all is well."""
+        """Write the data. Never raises: ``failure`` is the disk's last error, "" if all is well."""
         if len(self._unwritten) > WAITING:
             self.lost += count(data)
             data = b""
@@ -80,7 +81,7 @@ class BlackBox:
             self.failure = f"{self.path}: {error.strerror or error}"
 
     def close(self) -> None:
-        """Twice is harmless."""
+        """Write the rest and close the file; a second call does nothing."""
         if self._closed:
             return
         self.store(self.take())
@@ -100,7 +101,7 @@ class BlackBox:
             raise BlackBoxError(f"the black box {self.path} cannot be made: {why}") from error
 
     def _write(self, data: bytes) -> None:
-        """What the disk did not take stands first in the next write: no record is split."""
+        """Write the bytes left over from earlier writes, then the data: no record is split."""
         filled = self._size > 2 * len(head()) and self._size + len(data) > self._limit
         if not self._unwritten and filled:
             self._unwritten = bytearray(data)
@@ -132,13 +133,13 @@ class BlackBox:
 
 
 def _begin(path: Path) -> tuple[int, int]:
-    """A new file with its head: descriptor and size."""
+    """Create a file with its head; return descriptor and size."""
     fd = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC | os.O_CLOEXEC, 0o644)
     try:
         if (written := os.write(fd, head())) < len(head()):
             raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
     except OSError:
         os.close(fd)
-        path.unlink()  # whoever tries again finds the name free
+        path.unlink()  # so that the next try finds the name free
         raise
     return fd, written

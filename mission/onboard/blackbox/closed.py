@@ -1,12 +1,12 @@
-"""A part that is closed: the same records in compressed chunks, and what follows from them beside.
+"""Convert a closed part: the same records in compressed chunks, and the topics derived from them.
 
-    part --read--> records --derive--> chunks of 20 s --new file, read again--> takes its place
+    part --read--> records --derive--> chunks of 20 s --new file, read again--> replaces the part
 
 Every topic has its schema, so that any tool reads it. The old file stays until the new one is on
-the disk, whole, and says the same: whenever this is cut, one of the two is there. A part with
-damage in it stays as it is, for whoever may read more out of it.
+the disk, whole and with the same records: after an interruption one of the two is there. A damaged
+part stays as it is, since another tool may read more out of it.
 
-What does not live here: when it is done (serve), what is derived (stream).
+What does not live here: when parts are converted (serve), what is derived (stream).
 """
 
 from __future__ import annotations
@@ -53,10 +53,10 @@ from mission.onboard.store import Stored
 from mission.onboard.stream.derived import Derivation
 from mission.onboard.stream.topics import DERIVED, RAW
 
-CHUNK_S = 20.0  # the unit of loss; shorter ones are larger with their indexes
-_CHUNK_BYTES = 1 << 18  # of a vehicle that says much
+CHUNK_S = 20.0  # damage costs a chunk; shorter chunks take more bytes, with their indexes
+_CHUNK_BYTES = 1 << 18  # limit for a vehicle that reports much
 _NOTHING: Mapping[str, str] = {}
-_ATTACHED = ("vehicle", "configuration")  # of the start
+_ATTACHED = ("vehicle", "configuration")  # fields of the start record
 _STAMPS = 8 + 8  # bytes before the name of an attachment
 
 
@@ -73,9 +73,9 @@ class _Part:
 
 
 def close_part(path: Path, notes: Mapping[str, str] = _NOTHING) -> bool:
-    """Nobody writes to it any more. ``notes`` go to its metadata: of a simulation the seed and the
-    sea. False where it stays as it is: it is damaged, of the first form, or was done before.
-    Raises OSError for a disk that does not take it."""
+    """Convert a part that nobody writes to any more. ``notes`` are added to its metadata: of a
+    simulation the seed and the sea. False if the part stays as it is: it is damaged, of the first
+    form, or already converted. Raises OSError if the disk cannot be written."""
     part = _part(path)
     if part is None or part.start is None:
         return False
@@ -95,14 +95,14 @@ def close_part(path: Path, notes: Mapping[str, str] = _NOTHING) -> bool:
 
 
 def close_recording(path: Path, notes: Mapping[str, str] = _NOTHING) -> None:
-    """All its parts."""
+    """Convert all parts of a recording."""
     for part in parts_of(path):
         close_part(part, notes)
 
 
 def close_each(parts: Iterable[Path]) -> int:
-    """Nobody writes to them any more; how many were done. One that cannot be read or written stays
-    as it is."""
+    """Convert parts that nobody writes to any more; return how many were converted. A part that
+    cannot be read or written stays as it is."""
     done = 0
     for path in parts:
         try:
@@ -113,8 +113,8 @@ def close_each(parts: Iterable[Path]) -> int:
 
 
 def notes_of(path: Path) -> Mapping[str, str]:
-    """The metadata of a closed part: version, vehicle, of a simulation the seed and the sea. Empty
-    where it is not closed, or they are damaged."""
+    """Return the metadata of a closed part: version, vehicle, of a simulation the seed and the sea.
+    Empty if the part is not closed, or the metadata is damaged."""
     try:
         with path.open("rb") as file:
             first = list(islice(StreamReader(file).records, 2))
@@ -125,9 +125,9 @@ def notes_of(path: Path) -> Mapping[str, str]:
 
 
 def told_start(path: Path) -> Record | None:
-    """The start of a closed first part that has lost its first chunk: by what is attached. What was
-    in its store is not known, and told as nothing. None where that is lost, too. Raises
-    BlackBoxError."""
+    """Rebuild the start record of a closed first part that has lost its first chunk, from the
+    attachments. The store's content is unknown, and given as empty. None if the attachments are
+    lost, too. Raises BlackBoxError."""
     data, notes = content(path), notes_of(path)
     found = [_attached(data, f"{name}.json") for name in _ATTACHED]
     if part_number(path) != 1 or not all(found):
@@ -140,7 +140,7 @@ def told_start(path: Path) -> Record | None:
 
 
 def _attached(data: bytes, name: str) -> Attachment | None:
-    """What is attached under this name, wherever it stands; None where it is not whole."""
+    """Find the attachment with this name anywhere in the file; None if there is no whole one."""
     named = re.escape(len(name).to_bytes(4, "little") + name.encode())
     begins = re.compile(b"%c(.{8}).{%d}%b" % (OP_ATTACHMENT, _STAMPS, named), re.DOTALL)
     for one in begins.finditer(data):
@@ -152,14 +152,14 @@ def _attached(data: bytes, name: str) -> Attachment | None:
 
 
 def is_closed(data: bytes) -> bool:
-    """By its beginning: its metadata stand behind the header."""
+    """Whether a part is converted: then its metadata follows the header."""
     length = HEAD.unpack_from(data, len(MAGIC))[1] if len(data) > len(MAGIC) + HEAD.size else 0
     behind = len(MAGIC) + HEAD.size + int(length)
     return data[behind : behind + 1] == bytes([OP_METADATA])
 
 
 def _part(path: Path) -> _Part | None:
-    """None for what stays as it is."""
+    """Read a part for conversion; None if it stays as it is."""
     data = content(path)
     if is_closed(data) or is_first_form(data):
         return None
@@ -175,7 +175,7 @@ def _says(path: Path) -> list[tuple[int, str, bytes]]:
     return [(round(r.t * NS), r.kind, r.payload) for r in read_records(path)]
 
 
-# --- what it is made of --------------------------------------------------------------------------
+# --- the new file --------------------------------------------------------------------------------
 
 
 def _write(file: BinaryIO, part: _Part, notes: Mapping[str, str]) -> None:
@@ -203,7 +203,7 @@ def _write(file: BinaryIO, part: _Part, notes: Mapping[str, str]) -> None:
 
 
 def _recall(derivation: Derivation, path: Path) -> None:
-    """What the parts before it say goes on to hold."""
+    """Take in the parts before this one, since their values stay in force."""
     for before in parts_of(path):
         if part_number(before) < part_number(path) and before.exists():
             for record in read_records(before):
@@ -267,7 +267,7 @@ def _attachments(start: rec.Start, found: Iterable[Found]) -> list[tuple[str, st
 
 
 def _mission_text(lines: list[str], vehicle: Vehicle) -> str:
-    """As authors read it; the script itself where this version cannot."""
+    """The mission as YAML; the script itself if this version cannot read it."""
     try:
         return to_yaml(parse_script(lines, vehicle))
     except MissionErrors:

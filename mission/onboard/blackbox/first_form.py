@@ -1,12 +1,12 @@
-"""What black boxes of the first form hold, as records are today: the same values, other bytes.
+"""Convert records of the first form to today's form: the same values, other bytes.
 
     rx             f64 t | f64 first | link NUL address NUL data
     tx             link NUL address NUL reason NUL data
     fault          link NUL kind NUL offset NUL length
     other inputs   f64 t | texts, NUL between them
-    the rest       the JSON of today
+    other kinds    JSON, as today
 
-``f64``: low byte first. What does not live here: files (reading).
+``f64`` is little-endian. What does not live here: files (reading).
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ _T = struct.Struct("<d")
 
 
 def as_today(record: Record) -> Record:
-    """Raises ValueError for what is no payload of that form."""
+    """Convert a record. Raises ValueError if its payload is not of the first form."""
     try:
         return _as_today(record)
     except (struct.error, UnicodeDecodeError) as error:

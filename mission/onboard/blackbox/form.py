@@ -1,16 +1,18 @@
-"""The bytes of a file that grows: MCAP without chunks, whole after each record.
+"""The bytes of a growing file: MCAP without chunks, whole after each record.
 
     magic, Header, a Schema and a Channel per kind | Message, Message, ... | DataEnd, Footer, magic
     Message: u8 5 | u64 length | u16 channel | u32 check | u64 log time | u64 publish time | data
 
-Topics are the kinds of records, data their payloads, publish time the engine's time that they are
-of, and log time the wall's when they were made, in ns: log times never go back. ``check`` stands
-where the format has a free sequence number: the CRC-32 of the data, begun with channel and time,
-plus the record's number times a constant. So blocks that a power cut garbled are known, and so is
-what was lost between two records that are whole. In the first form (profile ``auvmission``) every
-number was 0 and payloads were others (first_form). Any MCAP tool reads the file (the footer names
-no summary, so readers scan). The library writes head and foot; messages are packed here, because
-that is most of the cost.
+Each kind of record is a topic, and its payload is the data. Publish time is the engine's time of
+the record, log time the wall time when it was made, both in ns; log times never go back.
+
+``check`` stands in the sequence number, which MCAP leaves free. It is the CRC-32 of the data, with
+channel and time as initial value, plus the record's number times a constant. So a reader detects
+blocks that a power cut damaged, and records that are missing between two whole ones. In the first
+form (profile ``auvmission``) every number was 0, and the payloads were different (first_form).
+
+Any MCAP tool reads the file; the footer names no summary, so readers scan. The library writes head
+and foot. This module packs the messages itself, because that is most of the cost.
 
     BlackBoxError      (the operator must act: no such folder, not a black box)
 
@@ -31,9 +33,9 @@ from mission import __version__
 from mission.onboard.stream.topics import RAW, Topic
 
 KINDS = tuple(topic.name for topic in RAW)
-CHANNELS = {kind: number for number, kind in enumerate(KINDS, 1)}  # never another number
+CHANNELS = {kind: number for number, kind in enumerate(KINDS, 1)}  # a kind keeps its number
 MAGIC = b"\x89MCAP0\r\n"
-FLUSH_S = 0.1  # how often a shell stores what was recorded
+FLUSH_S = 0.1  # s between two writes by a shell
 LIMIT = 16 << 20  # bytes of one part
 PROFILE, FIRST_PROFILE = "auvmission-2", "auvmission"
 
@@ -44,7 +46,7 @@ OP_ATTACHMENT, OP_METADATA, OP_DATA_END = 9, 12, 15
 OPCODES = range(1, 16)
 NS = 1e9
 _NUMBERS = 1 << 32
-_SPREAD = 0x85EBCA6B  # so that a wrong byte of the check makes no number that is near
+_SPREAD = 0x85EBCA6B  # so that a wrong byte of the check gives no number nearby
 _GATHER = pow(_SPREAD, -1, _NUMBERS)
 
 
@@ -53,7 +55,7 @@ class BlackBoxError(OSError):
 
 
 def pack(kind: str, payload: bytes, number: int, logged: int, t: int) -> bytes:
-    """A record as a message: ``logged`` by the wall's time, of the engine's time ``t``, in ns."""
+    """Return a record as a message. ``logged``: wall time, ``t``: the engine's time, both in ns."""
     channel = CHANNELS[kind]
     check = (crc(payload, channel, t) + number * _SPREAD) % _NUMBERS
     head = _MESSAGE.pack(OP_MESSAGE, FIELDS.size + len(payload), channel, check, logged, t)
@@ -61,7 +63,7 @@ def pack(kind: str, payload: bytes, number: int, logged: int, t: int) -> bytes:
 
 
 def count(data: bytes) -> int:
-    """Of whole messages."""
+    """Return the number of messages in ``data``; all must be whole."""
     at = number = 0
     while at < len(data):
         at += HEAD.size + HEAD.unpack_from(data, at)[1]
@@ -74,7 +76,7 @@ def crc(payload: bytes | memoryview, channel: int, t: int) -> int:
 
 
 def number_of(check: int, payload: bytes | memoryview, channel: int, t: int) -> int:
-    """Of the record, if it is whole; any number otherwise."""
+    """Return the record's number if the record is intact; otherwise an arbitrary number."""
     return (check - crc(payload, channel, t)) * _GATHER % _NUMBERS
 
 

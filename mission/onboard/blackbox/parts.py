@@ -1,7 +1,7 @@
 """Names of recordings and of their parts: ``<start>.mcap``, ``<start>.part2.mcap``, ...
 
-By the start's wall time, so that names sort as the starts did. Each part begins with the ``start``
-record again.
+The name is the wall time of the start, so that names sort by time. Each part begins with a copy of
+the ``start`` record.
 """
 
 from __future__ import annotations
@@ -18,8 +18,8 @@ def file_name(wall: float) -> str:
 
 
 def free(path: Path) -> Path:
-    """The same, or with a number behind its name, where that is taken: two starts within a second
-    (or a clock set back) differ."""
+    """Return the path, with a number appended if it exists: two starts within a second (or after
+    the clock was set back) have different names."""
     found, number = path, 1
     while found.exists():
         number += 1
@@ -41,7 +41,8 @@ def part_number(path: Path) -> int:
 
 
 def parts_of(path: Path) -> list[Path]:
-    """All that are there, in their order, whichever is named; ``path`` alone if none is."""
+    """Return the existing parts of a recording in order, given the path of any part. If there are
+    none: the path of the first part alone."""
     base = first_part(path)
     further = base.parent.glob(f"{_plain(base.stem)}.part*{base.suffix}")
     found = {part_number(p): p for p in further if _PART.search(p.stem)}
@@ -51,5 +52,5 @@ def parts_of(path: Path) -> list[Path]:
 
 
 def _plain(name: str) -> str:
-    """For glob: a name that means itself."""
+    """Escape a name for glob."""
     return re.sub(r"([\[*?])", r"[\1]", name)

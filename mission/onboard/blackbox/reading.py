@@ -1,9 +1,9 @@
-"""Black boxes read: all that is whole, and what is missing between, by time.
+"""Read black boxes: the whole records, and the gaps between them, in order of time.
 
-A part may be growing, cut, damaged or closed, of this form or the first. What is missing is a Gap
-in its place; the unit of loss is a record, in a closed part a chunk of some 20 s.
+A part may be growing, cut, damaged or closed, and of today's form or the first. A Gap stands in the
+place of missing data. Damage costs single records; in a closed part, a chunk of some 20 s.
 
-What does not live here: which bytes are whole (scan), files that are being written (tail).
+What does not live here: whole records in bytes (scan), files that are being written (tail).
 """
 
 from __future__ import annotations
@@ -21,11 +21,11 @@ from mission.onboard.runtime.records import START
 
 @dataclass(frozen=True, slots=True)
 class Gap:
-    """What is missing between two records that are whole, or behind the last.
+    """Data that is missing between two whole records, or after the last.
 
-    ``after`` and ``before`` are the engine's times around it, None where there is nothing.
-    ``records`` is how many are missing, None where nobody can know. ``cut``: the file ends here,
-    and nobody closed it; without ``lost`` bytes nothing that was begun is missing.
+    ``after``, ``before``: the engine's times of the records around the gap; None: no such record.
+    ``records``: how many are missing; None: unknown. ``cut``: the file ends here and was not
+    closed; if ``lost`` is 0, no record is incomplete.
     """
 
     path: Path
@@ -38,8 +38,8 @@ class Gap:
 
     @property
     def whole(self) -> bool:
-        """Nothing is known to be missing: the file is growing, or its power was cut between two
-        records."""
+        """Whether nothing is known to be missing: the file is growing, or a power cut came between
+        two records."""
         return self.cut and self.lost == 0
 
     def __str__(self) -> str:
@@ -57,8 +57,8 @@ Item = Record | Gap
 
 
 def recording(path: Path) -> Iterator[Item]:
-    """A recording from its first part to its last, its start once, whichever part is named.
-    Raises BlackBoxError for what is no black box."""
+    """Read all parts of a recording in order, given the path of any part; the start record comes
+    once. Raises BlackBoxError for a file that is no black box."""
     parts = parts_of(path)
     reader, begun = Reader(), False
     for part in parts:
@@ -70,24 +70,24 @@ def recording(path: Path) -> Iterator[Item]:
 
 
 def read_parts(path: Path) -> Iterator[Record]:
-    """The whole records of a recording."""
+    """Return the whole records of a recording, given the path of any part."""
     return (item for item in recording(path) if isinstance(item, Record))
 
 
 def read_records(path: Path) -> Iterator[Record]:
-    """The whole records of one file."""
+    """Return the whole records of one file."""
     reader = Reader(0 if first_part(path) == path else None)
     return (item for item in reader.read(path) if isinstance(item, Record))
 
 
 def missing(path: Path) -> tuple[Gap, ...]:
-    """All that a recording lacks. Raises BlackBoxError."""
+    """Return the gaps of a recording. Raises BlackBoxError."""
     return tuple(item for item in recording(path) if isinstance(item, Gap))
 
 
 class Reader:
-    """One file after the other: numbers and times go on. ``expected`` None: the first may be any
-    part."""
+    """Reads one file after the other: numbers and times continue. ``expected`` None: the first file
+    may be any part."""
 
     def __init__(self, expected: int | None = 0) -> None:
         self._expected = expected
@@ -106,7 +106,7 @@ class Reader:
                 continue
             if found.missed or found.missed is None:
                 yield self._gap(path, found)
-            if found.number or self._t is None:  # else the start again, in a further part
+            if found.number or self._t is None:  # else a further part's copy of the start
                 self._t = found.record.t
             yield found.record
         self._expected = scan.expected
@@ -120,7 +120,7 @@ class Reader:
 
 
 def content(path: Path) -> bytes:
-    """Of a black box. Raises BlackBoxError."""
+    """Return the bytes of a black box. Raises BlackBoxError."""
     try:
         data = path.read_bytes()
     except OSError as error:
@@ -131,7 +131,7 @@ def content(path: Path) -> bytes:
 
 
 def _holds_records(data: bytes) -> bool:
-    """Though its first bytes are damaged."""
+    """Whether there are whole records although the first bytes are damaged."""
     scan = Scan(is_first_form(data))
     scan.at = len(MAGIC)
     return any(isinstance(found, Found) for found in scan.read(data))

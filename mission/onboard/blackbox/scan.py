@@ -1,10 +1,10 @@
-"""Whole records out of bytes that may be damaged anywhere.
+"""Find whole records in bytes that may be damaged anywhere.
 
-A record is whole if its check fits and its number is the next one. Where that ends, the search goes
-on byte by byte for the next record or chunk that is whole. A number that leaps further than what
-was skipped could hold is believed only if the record behind it has the next one.
+A record is whole if its check matches and its number is the next one. After damage the search
+continues byte by byte to the next whole record or chunk. If a number jumps further than the skipped
+bytes could hold, it is believed only if the following record has the next number.
 
-What does not live here: files, and what is said of what is missing (reading).
+What does not live here: files, and the description of gaps (reading).
 """
 
 from __future__ import annotations
@@ -43,11 +43,11 @@ from mission.onboard.runtime.records import START
 
 _FIXED = FIELDS.size
 _SMALLEST = HEAD.size + _FIXED
-_LARGEST = 1 << 24  # bytes of a record that is looked for
-_NEAR = 1 << 12  # records that may be missing before the last one: a garbled one has any number
+_LARGEST = 1 << 24  # bytes of a record; a longer one is not searched for
+_NEAR = 1 << 12  # records that may be missing before the last: a damaged one has any number
 _LIKELY = re.compile(rb"(?:[\x05\x06]...|\x0f\x04\x00\x00)\x00{5}", re.DOTALL)
 _CHUNK_FIXED = 8 + 8 + 8 + 4
-_ENTRY = 8 + 8  # of an index of messages
+_ENTRY = 8 + 8  # bytes of an entry in an index of messages
 _BEFORE = frozenset({OP_HEADER, OP_SCHEMA, OP_CHANNEL, OP_METADATA})
 _CHECKED = frozenset({OP_MESSAGE, OP_CHUNK, OP_DATA_END})
 _START = CHANNELS[START]
@@ -59,8 +59,8 @@ _BEGINNING = re.compile(rb"\x01.{8}\x0a\x00\x00\x00" + FIRST_PROFILE.encode(), r
 
 @dataclass(frozen=True, slots=True)
 class Found:
-    """A whole record. ``skipped`` bytes before it are no records; ``missed`` is how many records
-    are not there, None where nobody can know."""
+    """A whole record. ``skipped``: bytes before it that are no records. ``missed``: how many
+    records are missing before it; None: unknown."""
 
     record: Record
     number: int
@@ -71,30 +71,31 @@ class Found:
 
 @dataclass(frozen=True, slots=True)
 class End:
-    """Where the records of a closed file end. ``skipped`` bytes before it are no records."""
+    """The end of the records in a closed file. ``skipped``: bytes before it that are no records."""
 
     at: int
     skipped: int
 
 
 def is_first_form(data: bytes) -> bool:
-    """By the beginning of a file, whatever of it is damaged: today's says more of itself."""
+    """Whether a file is of the first form. Its beginning tells even if a part of that is damaged:
+    today's form has several marks there."""
     head = data[:_TELLING]
     return bool(_BEGINNING.match(head, len(MAGIC))) or not any(word in head for word in _TODAY)
 
 
 class Scan:
-    """Of one file, or of one after the other. ``expected``: the number of the next record, None
-    if it may be any."""
+    """Scans one file, or several in turn. ``expected``: the number of the next record; None: any
+    number."""
 
     def __init__(self, first_form: bool, expected: int | None = 0) -> None:
         self.first_form, self.expected = first_form, expected
         self.at = 0  # up to here everything is found or given up
         self._begun = False
-        self.rest = 0  # bytes behind the last that was whole which are part of nothing
+        self.rest = 0  # bytes after the last whole record that belong to none
 
     def read(self, data: bytes) -> Iterator[Found | End]:
-        """All that is whole from ``at`` on; may be asked again when more has come."""
+        """Yield all that is whole from ``at`` on; may be called again with more data."""
         at = floor = self.at
         broken: int | None = None
         while at < len(data):
@@ -120,17 +121,17 @@ class Scan:
         self.rest = 0 if broken is None else len(data) - broken
 
     def _passes(self, data: bytes, at: int, end: int) -> bool:
-        """It holds no records: what a file begins with, indexes of messages, and attachments."""
+        """Whether this is whole but no record: head of a file, index of messages, attachment."""
         if data[at] == OP_ATTACHMENT:
             body, check = data[at + HEAD.size : end - 4], data[end - 4 : end]
             return zlib.crc32(body) == int.from_bytes(check, "little")
-        if data[at] == OP_MESSAGE_INDEX:  # without a check: it says twice how long it is
+        if data[at] == OP_MESSAGE_INDEX:  # it has no check, but its length twice
             entries = int.from_bytes(data[at + HEAD.size + 2 : at + HEAD.size + 6], "little")
             return entries % _ENTRY == 0 and at + HEAD.size + 6 + entries == end
         return data[at] in _BEFORE and not self._begun
 
     def _checked(self, data: bytes, at: int, end: int, damaged: bool) -> list[Found | End] | None:
-        """What the record at this place gives, None where it is not whole."""
+        """Return what the record at this place gives; None if it is not whole."""
         skipped = at - self.at if damaged else 0
         if data[at] == OP_DATA_END:
             return [End(at, skipped)] if _is_summary(data, end) else None
@@ -162,7 +163,7 @@ class Scan:
 
     def _found(self, record: Record, number: int, at: int, skipped: int) -> Found:
         missed: int | None = None if skipped else 0
-        again = number == 0 and record.kind == START  # at the beginning of each part
+        again = number == 0 and record.kind == START  # repeated at the beginning of each part
         if not self.first_form and not (again and self.expected != 0):
             missed = 0 if self.expected is None else number - self.expected
             self.expected = number + 1
@@ -192,7 +193,7 @@ class Scan:
 
 
 def _length(data: bytes, at: int) -> int | None:
-    """Of the whole record that may begin here, None if none can."""
+    """Length of the whole record that may begin here; None if none can."""
     if at + HEAD.size > len(data):
         return None
     opcode, length = HEAD.unpack_from(data, at)
@@ -203,7 +204,7 @@ def _length(data: bytes, at: int) -> int | None:
 
 
 def _is_summary(data: bytes, at: int) -> bool:
-    """What stands behind the records: the footer at once, or schemas first."""
+    """Whether the end of a file follows: the footer at once, or schemas first."""
     return data.startswith(_FOOTER, at) or (_length(data, at) is not None and data[at] == OP_SCHEMA)
 
 
@@ -212,7 +213,7 @@ def _channel(data: bytes, at: int) -> int:
 
 
 def _message(data: bytes, at: int, end: int) -> Record | None:
-    """None for a topic that is derived, or unknown."""
+    """The record in a message; None for a derived or unknown topic."""
     channel, _, _, t = FIELDS.unpack_from(data, at + HEAD.size)
     if not 0 < channel <= len(KINDS):
         return None
@@ -230,7 +231,7 @@ def _next(data: bytes, at: int) -> int | None:
 
 
 def _unpacked(body: bytes) -> bytes | None:
-    """Of a chunk; None where its check does not fit."""
+    """The content of a chunk; None if its check does not match."""
     if len(body) < _CHUNK_FIXED + 12:
         return None
     size, check = int.from_bytes(body[16:24], "little"), int.from_bytes(body[24:28], "little")
@@ -238,7 +239,7 @@ def _unpacked(body: bytes) -> bytes | None:
     length, data = body[32 + name : 32 + name + 8], body[32 + name + 8 :]
     if body[32 : 32 + name] != b"zstd" or size > _LARGEST:
         return None
-    if int.from_bytes(length, "little") != len(data):  # or more than itself would be passed over
+    if int.from_bytes(length, "little") != len(data):  # else it would skip more than the chunk
         return None
     try:
         if zstandard.frame_content_size(data) != size:

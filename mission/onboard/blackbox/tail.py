@@ -1,4 +1,4 @@
-"""A file that is being written, read as it grows.
+"""Read a file while it is being written.
 
 What does not live here: which file is next (analysis.replay.follow).
 """
@@ -15,13 +15,13 @@ from mission.onboard.blackbox.parts import part_path
 from mission.onboard.blackbox.scan import Found, Scan, is_first_form
 from mission.onboard.runtime.records import START
 
-_HEAD = 256  # bytes that tell the form
+_HEAD = 256  # bytes that show the form
 
 
 class Tail:
-    """``read`` gives the whole records that have come since. Raises BlackBoxError for what is no
-    black box. ``expected`` is the number of its first record, behind the ``start`` of a further
-    part; None: it may be any."""
+    """A growing file: ``read`` yields the whole records since the last call. ``expected``: the
+    number of the first record, after the ``start`` of a further part; None: any number. Raises
+    BlackBoxError for a file that is no black box."""
 
     def __init__(self, path: Path, expected: int | None = 0) -> None:
         try:
@@ -37,7 +37,7 @@ class Tail:
 
     @property
     def expected(self) -> int | None:
-        """The number of what comes next."""
+        """The number of the next record."""
         return self._scan.expected
 
     def read(self) -> Iterator[Record]:
@@ -52,8 +52,8 @@ class Tail:
 
 
 class GrowingBox:
-    """A recording in its parts, read as it grows; ``wall`` is the wall time at the engine's time
-    0, once its start was read. Raises BlackBoxError."""
+    """A recording, read part by part as it grows. ``wall``: wall time at the engine's time 0, once
+    the start was read. Raises BlackBoxError."""
 
     def __init__(self, path: Path) -> None:
         self.path, self._part, self.wall = path, 1, 0.0

@@ -1,1 +1,1 @@
-"""What is wrong before a dive: rows of checks, and listening at the vehicle's side."""
+"""The checks of `doctor` before a dive: of the Pi, the vehicle file and the vehicle's ports."""

@@ -1,9 +1,9 @@
-"""Which dialect the AUV's board speaks: it is sent one stop, and names the word it answers, or not.
+"""Find out which dialect the AUV's board speaks: send it a stop, and read the acknowledgement.
 
-    @ZAX0$ -->   @ACK_ZXY$   built to the letter     @ACK_ZAY$   as built
+    @ZAX0$ -->   @ACK_ZXY$   documented     @ACK_ZAY$   as built
 
-Only where no serve has the port, and on deck: any other Z would move something, and even this one
-ends manual. What does not live here: listening to the reports (port_probe).
+Use this only on deck, and only if no serve has the port: any other Z would move something, and even
+this one ends manual mode. What does not live here: listening to the reports (port_probe).
 """
 
 from __future__ import annotations
@@ -21,13 +21,13 @@ from protocol.vehicles import codec
 from protocol.vehicles.auv import dialect_of
 
 WHAT = "dialect"
-ANSWER_S = 1.0  # longer than a whole @SD in front of it
+ANSWER_S = 1.0  # s, longer than a whole @SD that comes first
 TRIES = 3
 _FILES = {"as-built": "auv", "documented": "auv-documented"}
 
 
 def needless(vehicle: Vehicle) -> Finding | None:
-    """Why this vehicle is not asked; None: it can be."""
+    """The finding if this vehicle is not asked; None if it can be."""
     if vehicle.codec == "auv":
         return None
     return ok(WHAT, "not asked: this board answers nothing, and has one dialect")

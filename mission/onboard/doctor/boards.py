@@ -1,7 +1,7 @@
-"""The boards of the four documents, as a person mends them: what they are called, why they may say
-nothing, what they do when nobody speaks to them.
+"""The boards of the four documents, for advice to a person: their names, why they may be silent,
+and what they do without commands.
 
-What does not live here: what is found (port_probe, doctor), frames and times (protocol.vehicles).
+What does not live here: the findings (port_probe, doctor), frames and times (protocol.vehicles).
 """
 
 from __future__ import annotations
@@ -14,10 +14,10 @@ from protocol.vehicles import coreboard, motorcan, robot, rov
 
 @dataclass(frozen=True, slots=True)
 class Board:
-    """``quiet``: why all may be well though it is silent, "" if nothing explains that. ``switch``:
-    what gives a sensor its power. ``silence``: s without a word after which it goes neutral by
-    itself, None: it never does. ``beside``: what works without Pi and board. ``moves``: what turns
-    at its word."""
+    """``quiet``: why the board may be silent without a fault, "" if nothing explains it.
+    ``switch``: how a sensor gets its power. ``silence``: s without a command after which the board
+    goes neutral by itself; None: never. ``beside``: what works without Pi and board. ``moves``:
+    what the board drives."""
 
     name: str
     quiet: str
@@ -71,7 +71,7 @@ BOARDS = {
 
 
 def board(vehicle: Vehicle) -> Board:
-    """Of a board without words of its own, what holds of any."""
+    """The vehicle's board; for one that is not in the table, texts that are true of any."""
     own = BOARDS.get(vehicle.codec)
     name = f"the board of {vehicle.name}"
     return own or Board(name, "", "look it up in its document", None, "a rope or a drop weight")
@@ -82,5 +82,5 @@ def trip(vehicle: Vehicle) -> str:
 
 
 def at_rest(vehicle: Vehicle) -> str:
-    """Where a program may be started anew."""
+    """Where the vehicle has to be when serve is restarted, as text."""
     return "standing still" if vehicle.drives else "at the surface"

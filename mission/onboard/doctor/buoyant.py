@@ -1,4 +1,4 @@
-"""Whether the vehicle rises by itself, as X needs it, and how well that is known."""
+"""Check whether the vehicle rises by itself, as a stop (X) requires, and how well that is known."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
-"""What is wrong with this Pi and its vehicle before a dive: rows of checks, each with its findings.
+"""Checks of this Pi and its vehicle before a dive: a table of checks, each with its findings.
 
-Where a serve runs, its ports are left alone: what it has written of its health is judged instead.
+If a serve runs, `doctor` leaves its ports alone, and judges the health that serve has written.
 What does not live here: listening to the vehicle (port_probe), printing (the command).
 """
 
@@ -36,21 +36,21 @@ from mission.onboard.serve import health
 from mission.onboard.serve.listening import listening, open_to_all
 from mission.onboard.store import DiskStore, StoreError
 
-MUCH, LITTLE = 2 << 30, 200 << 20  # bytes free: a day's black boxes, an hour's
+MUCH, LITTLE = 2 << 30, 200 << 20  # bytes free, for the black boxes of a day, of an hour
 YEARS = range(2024, 2100)
 _SILENT = {
     "vehicle": 5.0,
     "gps": 5.0,
     "gps2": 5.0,
     "sensors": 30.0,
-}  # s without a byte on what talks by itself
+}  # s without a byte, on links that send unasked
 
 
 @dataclass(frozen=True, slots=True)
 class CheckContext:
-    """``running``: the health of a serve that runs now, as it wrote it. ``mute``: the process of
-    one that runs, but tells nothing of itself. ``ask``: the board may be sent an X; ``move``: it
-    may be told to move, in the water."""
+    """``running``: the health that a running serve has written. ``mute``: the process of a serve
+    that runs, but writes no health. ``ask``: the board may be sent an X. ``move``: the vehicle may
+    be moved, in the water."""
 
     configuration: Configuration
     vehicle: Vehicle
@@ -63,7 +63,7 @@ class CheckContext:
 def examine(
     configuration: Configuration, vehicle: Vehicle, *, ask: bool = False, move: bool = False
 ) -> Iterator[Finding]:
-    """In the order of ROWS, as they are found."""
+    """Run the checks in the order of ROWS; yield each finding at once."""
     folder, now = configuration.folder, time.time()
     running, mute = health.read(folder, now), health.mute(folder, now)
     context = CheckContext(configuration, vehicle, running, mute, ask, move)
@@ -130,7 +130,7 @@ def _remedy(error: OSError, folder: Path) -> str:
 
 
 def _next_start(under_way: str, vehicle: Vehicle) -> str:
-    """What serve will do about it."""
+    """What serve will do about it at its next start."""
     if vehicle.drives:
         return "serve will stop the vehicle when it starts; `auvmission clear` ends that"
     if under_way in STOPS:
@@ -252,7 +252,7 @@ def _ports(context: CheckContext) -> Iterator[Finding]:
         yield from _of_running(context, context.running)
         return
     if context.mute is not None:
-        return  # it has the ports
+        return  # the mute serve has the ports
     yield from port_probe.vehicle_findings(links.vehicle, context.vehicle)
     if context.ask:
         yield asking.dialect_finding(links.vehicle, context.vehicle)
@@ -271,7 +271,7 @@ def _ports(context: CheckContext) -> Iterator[Finding]:
 
 
 def _not_asked(context: CheckContext) -> Iterator[Finding]:
-    """What a serve that runs keeps from being asked, or what nobody would ask."""
+    """Findings for ``ask`` and ``move`` that a running serve or the vehicle rules out."""
     todo = "stop serve (systemctl stop auvmission), then ask again"
     for asked, rows in ((context.ask, asking), (context.move, signs)):
         if asked:
@@ -339,7 +339,7 @@ def _of_running(context: CheckContext, running: Mapping[str, Any]) -> Iterator[F
 
 
 def _longest(link: str, context: CheckContext) -> float:
-    """s that it may be silent."""
+    """How long the link may be silent, s."""
     talks = link != "vehicle" or board(context.vehicle).reports
     return _SILENT.get(link, math.inf) if talks else math.inf
 
@@ -349,7 +349,7 @@ def _silent(link: Mapping[str, Any]) -> float:
 
 
 def _limits(context: CheckContext) -> Iterator[Finding]:
-    """In force is the tightest of three; the mission's own are not known here."""
+    """The tightest of three limits is in force; the mission's own limits are not known here."""
     vehicle = context.vehicle
     if context.running is None:
         try:

@@ -1,4 +1,4 @@
-"""What `doctor` says: lines on which a person can act. What does not live here: how it is found."""
+"""Findings of `doctor`: lines on which a person can act. What does not live here: the checks."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ class Condition(enum.Enum):
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """``todo`` is never empty where the condition is not OK."""
+    """``todo`` says what to do; it is empty only if the condition is OK."""
 
     what: str
     condition: Condition

@@ -1,8 +1,8 @@
-"""Which of the links of a serve that runs here a URL names: two programs at one port would each get
-half of its bytes.
+"""Find the link of a running serve that a URL names: two programs on one port would each get half
+of its bytes.
 
-What does not live here: the exclusive use of a serial port (links.serial), which a serve of another
-folder has all the same.
+What does not live here: the lock on a serial port (links.serial), which a serve with another folder
+holds all the same.
 """
 
 from __future__ import annotations
@@ -19,8 +19,8 @@ from mission.onboard.serve.listening import listening
 
 @dataclass(frozen=True, slots=True)
 class Holder:
-    """``link``: its name in serve's configuration; ``box``: the black box, None if none is told;
-    ``is_joined``: a CAN bus and a serial line are this one link."""
+    """``link``: its name in serve's configuration; ``box``: the black box, None if unknown;
+    ``is_joined``: the link joins a CAN bus and a serial line."""
 
     process: int
     link: str
@@ -29,7 +29,7 @@ class Holder:
 
 
 def holder(url: str, configuration: Configuration, wall: float) -> Holder | None:
-    """None where no serve with the configuration's folder has it."""
+    """Find who has the port; None if no serve with the configuration's folder has it."""
     running = health.read(configuration.folder, wall)
     if running is not None:
         urls = {name: link["url"] for name, link in running["links"].items()}
@@ -50,7 +50,7 @@ def holder(url: str, configuration: Configuration, wall: float) -> Holder | None
 
 
 def _places(url: str) -> set[tuple[object, ...]]:
-    """What a URL names, whatever its other options; a device by any of its names."""
+    """The devices or addresses of a URL, without its other options; symbolic links are resolved."""
     try:
         address = parse_address(url)
     except LinkError:

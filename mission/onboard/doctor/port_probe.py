@@ -1,7 +1,7 @@
-"""Listening to the vehicle, its receiver and added sensors for `doctor`, where no serve has them.
+"""Listen to the vehicle, its receivers and added sensors for `doctor`, if no serve has the ports.
 
-Sends one harmless query, ``@RI`` (which sensors are powered), to a vehicle that knows it, and
-nothing else: no setpoint, no order. What does not live here: the computer's own state (doctor).
+It sends one harmless query, ``@RI`` (which sensors are powered), to a vehicle that knows it, and no
+setpoint or order. What does not live here: the computer's own state (doctor).
 """
 
 from __future__ import annotations
@@ -24,11 +24,11 @@ from protocol.messages import Ack, Aid, Fix, FrameFault, Telemetry
 from protocol.nmea import NmeaDecoder
 from protocol.vehicles import codec
 
-LISTEN_S = 5.0  # for the first report
-REPORTS = 3  # listened for, so that a frozen sensor shows
+LISTEN_S = 5.0  # s, for the first report
+REPORTS = 3  # enough to show a frozen sensor
 LONGEST_S = 9.0
 GPS_S = 3.0
-SENSORS_S = 6.0  # an acoustic system says a place every 5 s
+SENSORS_S = 6.0  # s: an acoustic system sends a position every 5 s
 QUERY = b"@RI$"
 _REPORT = b"@SD"
 _SWAPPED = (
@@ -62,7 +62,7 @@ def vehicle_findings(url: str, vehicle: Vehicle) -> list[Finding]:
 
 
 def port_finding(what: str, url: str) -> Finding:
-    """Whether it is there; nothing is sent, nobody is listened to."""
+    """Check that the port can be opened; nothing is sent or read."""
     try:
         open_whole(what, url).close()
     except LinkError as error:
@@ -71,7 +71,7 @@ def port_finding(what: str, url: str) -> Finding:
 
 
 def gps_findings(url: str, name: str = "gps") -> list[Finding]:
-    """Of the receiver at this link, the first or ``gps2``."""
+    """Listen to the GPS receiver of this link, the first or ``gps2``."""
     port = "GPS port" if name == "gps" else f"{name} port"
     try:
         link = open_link(name, url)
@@ -120,7 +120,7 @@ def of_gps(decoder: NmeaDecoder, heard: Sequence[Fix | FrameFault], raw: bytes) 
 
 
 def sensors_findings(url: str) -> list[Finding]:
-    """Of the line of sensors that a user adds."""
+    """Listen to the line of added sensors."""
     try:
         link = open_link("sensors", url)
     except LinkError as error:
@@ -142,7 +142,7 @@ def sensors_findings(url: str) -> list[Finding]:
 
 
 def of_sensors(heard: Sequence[Aid | FrameFault], length: int) -> Finding:
-    """``length``: bytes that came."""
+    """Judge what was received. ``length``: number of bytes."""
     what = "added sensors"
     kinds = {one.kind for one in heard if isinstance(one, Aid)}
     faults = sum(isinstance(one, FrameFault) for one in heard)
@@ -163,7 +163,8 @@ def of_sensors(heard: Sequence[Aid | FrameFault], length: int) -> Finding:
 
 
 def _listen(link: Link, vehicle: Vehicle, raw: bytearray) -> list[Received]:
-    """Until enough reports have come and the query is answered, or the time is over."""
+    """Send the query, and listen until REPORTS reports and its answer have come or the time is
+    over."""
     decoder = codec(*vehicle.speaks)
     heard: list[Received] = []
     begun = time.monotonic()
@@ -173,12 +174,18 @@ def _listen(link: Link, vehicle: Vehicle, raw: bytearray) -> list[Received]:
     def enough() -> bool:
         passed = time.monotonic() - begun
         reports = sum(isinstance(one, Telemetry) for one in heard)
-        return passed >= LONGEST_S or reports >= REPORTS or (not reports and passed >= LISTEN_S)
+        complete = reports >= REPORTS and (vehicle.codec != "auv" or bool(_answers(heard)))
+        return passed >= LONGEST_S or complete or (not reports and passed >= LISTEN_S)
 
     for data, now in listened(link, enough):
         heard += decoder.receive(data, now)
         raw += data
     return heard
+
+
+def _answers(heard: Sequence[Received]) -> list[Ack]:
+    """The answers to the query."""
+    return [one for one in heard if isinstance(one, Ack) and one.group == "R"]
 
 
 def listened(link: Link, over: Callable[[], bool]) -> Iterator[tuple[bytes, float]]:
@@ -197,8 +204,7 @@ def of_vehicle(vehicle: Vehicle, heard: Sequence[Received], raw: bytes = b"") ->
     else:
         yield ok("vehicle", f"reports ({len(reports)} good, {faults} faulty frames)")
     if vehicle.codec == "auv":
-        answers = [one for one in heard if isinstance(one, Ack) and one.group == "R"]
-        if answers:
+        if _answers(heard):
             yield ok("vehicle answers", "the STM32 answers @RI")
         else:
             yield fault(
@@ -212,7 +218,7 @@ def of_vehicle(vehicle: Vehicle, heard: Sequence[Received], raw: bytes = b"") ->
 
 
 def _no_report(raw: bytes, faults: int, vehicle: Vehicle) -> Finding:
-    """What is on the line instead, as far as it can be told."""
+    """What is on the line instead of reports, as far as it can be recognised."""
     its, decoder = board(vehicle), NmeaDecoder()
     decoder.receive(raw, 0.0)
     if decoder.counters.sentences:

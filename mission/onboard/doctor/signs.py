@@ -1,13 +1,13 @@
-"""Whether the efforts move the vehicle as its file says: down by F, to starboard by Z (E-R8).
+"""Check that the efforts move the vehicle as its file says: down by F, to starboard by Z (E-R8).
 
-    until depth and heading stand, WAKE_S at most --> down 4 s --> rest --> to starboard 3 s
-                                                  --> rest --> ahead 3 s --> neutral
+    wait for steady depth and heading, WAKE_S at most --> down 4 s --> rest --> to starboard 3 s
+                                                      --> rest --> ahead 3 s --> neutral
 
-What changed is told, and what the thrusters reported meanwhile. In the water, on a rope, with a
-person who looks: the reports say that depth and heading follow the efforts, and only the person
-sees that the bow went to starboard, and the vehicle ahead. Only where no serve has the port.
+The findings say what changed, and what the thrusters reported meanwhile. Use this in the water, on
+a rope, with an observer, and only if no serve has the port. The reports show that depth and heading
+follow the efforts. Only the observer sees that the bow went to starboard, and the vehicle ahead.
 
-What does not live here: the loop that is then closed (onboard.runtime.outer_loop).
+What does not live here: the control loop (onboard.runtime.outer_loop).
 """
 
 from __future__ import annotations
@@ -32,19 +32,19 @@ WHAT = "axes and signs"
 REST_S, WAKE_S = 1.0, 60.0
 AHEAD = 0.3  # share of full effort
 _NEWEST = 5  # reports that are averaged
-_AS_READ = (0.7, 1.4)  # of what thrusters report, as a share of what they were told
+_AS_READ = (0.7, 1.4)  # accepted ratio of reported to commanded thrust
 NO_LOOP = ok(WHAT, "not tried: the Pi closes no loop for this vehicle")
 
 
 @dataclass(frozen=True, slots=True)
 class Probe:
-    """``effort`` for ``seconds`` has to make ``reading`` grow by ``least``; "": a person looks."""
+    """``effort`` for ``seconds`` must increase ``reading`` by ``least``; "": an observer looks."""
 
     reading: str
     effort: Setpoint
     seconds: float
     least: float
-    key: str  # of ``wire``, that turns the sign round
+    key: str  # of ``wire``, that reverses the sign
 
     def told(self, grown: float) -> str:
         shown = f"{math.degrees(grown):.0f} deg" if self.reading == "heading" else f"{grown:.2f} m"
@@ -52,7 +52,7 @@ class Probe:
 
 
 def probes_of(vehicle: Vehicle) -> tuple[Probe, ...]:
-    """None where the Pi closes no loop."""
+    """The probes of a vehicle; () if the Pi closes no loop for it."""
     loop = vehicle.outer_loop
     if loop is None:
         return ()
@@ -64,7 +64,7 @@ def probes_of(vehicle: Vehicle) -> tuple[Probe, ...]:
 
 
 def needless(vehicle: Vehicle) -> Finding | None:
-    """Why nothing is tried with this vehicle; None: it can be."""
+    """The finding if this vehicle cannot be tried; None if it can be."""
     return NO_LOOP if vehicle.outer_loop is None else None
 
 
@@ -95,7 +95,7 @@ def sign_findings(url: str, vehicle: Vehicle) -> Iterator[Finding]:
 
 
 def _waited(probes: Sequence[Probe], link: Link, board: SilentBoard) -> str:
-    """Why it is not ready after WAKE_S; "" as soon as it is, or where nothing is reported."""
+    """Wait until it is ready; why it is not after WAKE_S, "" if it is or reports nothing."""
     begun = time.monotonic()
     while True:
         why = _unready(probes, _say(link, board, Setpoint(), REST_S))
@@ -148,7 +148,7 @@ def _moved(
 
 
 def _turned_at(probe: Probe, pushed: list[Telemetry], vehicle: Vehicle) -> Iterator[Finding]:
-    """Thrusters whose reports are not those of the effort, with the full speed that would be."""
+    """Warn of thrusters that do not report the effort, with the full speed that would match."""
     keys = vehicle_row(vehicle.codec).keys
     full = [key for key in keys if isinstance(key, Key) and key.name.endswith("_rpm")]
     told = [r.actuators for r in pushed[-_NEWEST:] if r.actuators is not None]
@@ -172,18 +172,18 @@ def _turned_at(probe: Probe, pushed: list[Telemetry], vehicle: Vehicle) -> Itera
 
 
 def turned(probe: Probe, codec_name: str) -> str:
-    """What turns it round: a key of the vehicle file, where its frames have one."""
+    """How to reverse the sign: by a key of the vehicle file, if there is one."""
     if any(key.name == probe.key for key in vehicle_row(codec_name).keys):
         return f"write `wire: {{{probe.key}: -1}}` into the vehicle file, and try again"
     return "turn it round at the motor boards (the vehicle file has no key for it), and try again"
 
 
 def _say(link: Link, board: SilentBoard, effort: Setpoint, seconds: float) -> list[Telemetry]:
-    """The frames every period; what was reported meanwhile."""
+    """Send the frames every period for ``seconds``; return the reports that came meanwhile."""
     heard: list[Telemetry] = []
     begun = time.monotonic()
     while (now := time.monotonic()) < begun + seconds:
-        for frame in board.encode(effort):  # each by itself: they may go to several boards
+        for frame in board.encode(effort):  # one by one: they may go to several boards
             link.send(frame, now)
         due = now + board.period
         for data, t in listened(link, lambda due=due: time.monotonic() >= due):  # type: ignore[misc]
@@ -192,7 +192,7 @@ def _say(link: Link, board: SilentBoard, effort: Setpoint, seconds: float) -> li
 
 
 def _series(reports: Sequence[Telemetry], reading: str) -> list[float]:
-    """The values in their order; headings go on beyond a whole turn."""
+    """The values in order; headings are unwrapped."""
     values = [value for r in reports if (value := getattr(r, reading, None)) is not None]
     if reading == "heading":
         for i in range(1, len(values)):

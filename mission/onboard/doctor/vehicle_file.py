@@ -1,7 +1,7 @@
-"""What a vehicle's file says of it before anybody has asked the vehicle: on the Pi and on the boat.
+"""Findings from the vehicle file alone, without the vehicle: on the Pi and on the boat.
 
-Limits that can never act, whether it rises by itself, what happens when a computer dies, and what
-has not been measured.
+They name limits that can never act, whether the vehicle rises by itself, what happens if a computer
+fails, and what has not been measured.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ def of_file(vehicle: Vehicle) -> Iterator[Finding]:
 def never_acting(vehicle: Vehicle) -> Iterator[Finding]:
     for row in LIMITS.values():
         if vehicle.drives and "depth" in row.needs:
-            continue  # of the water
+            continue  # a limit for vehicles in the water
         if why := row.disarmed(vehicle):
             yield warning(
                 f"limit {row.name}", f"can never act: {why}", "plan as if it were not there"

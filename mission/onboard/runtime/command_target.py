@@ -1,6 +1,6 @@
-"""What the operator's side and the runtime ask of each other: types, and how an answer is written.
+"""The interface between operator server and runtime: types, and how an answer is written.
 
-What does not live here: the rules between them (topside), the vehicle's behaviour (engine).
+What does not live here: the rules between them (operator_server), the vehicle's behaviour (engine).
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ class MissionRefused(ValueError):
 
 
 class CommandTarget(Protocol):
-    """What the operator's commands act upon; the runtime is one."""
+    """The object that the operator's commands act upon: the runtime."""
 
     @property
     def state(self) -> str:
@@ -49,7 +49,7 @@ class CommandTarget(Protocol):
 
     @property
     def digest(self) -> str:
-        """Of the stored mission, hex; "" if there is none."""
+        """The digest of the stored mission, hex; "" if there is none."""
         ...
 
     @property
@@ -63,7 +63,7 @@ class CommandTarget(Protocol):
         ...
 
     def output(self, name: str) -> float | None:
-        """What the vehicle was told it shall be, None where nothing was."""
+        """The value that was commanded for this output; None if none was."""
         ...
 
     def decide(self, command: Command, now: float) -> Verdict: ...
@@ -79,7 +79,7 @@ class CommandTarget(Protocol):
         ...
 
     def notice(self, text: str) -> None:
-        """Something that the journal should have."""
+        """Write a text to the journal."""
         ...
 
     def meaning_of_no(self, frame: bytes) -> str:
@@ -87,7 +87,7 @@ class CommandTarget(Protocol):
         ...
 
     def relay(self, frame: bytes, reason: str, manual: bool) -> str:
-        """Why it will not leave, "" if it will."""
+        """Pass the frame on; why it will not leave, "" if it will."""
         ...
 
     def accept(self, lines: tuple[str, ...], now: float) -> None:
@@ -105,21 +105,21 @@ _CARRIED = str.maketrans({",": ";", "@": None, "$": None})
 
 
 def one_line(text: str) -> str:
-    """ASCII without comma, ``@`` and ``$``, at most 200 characters (R4); still to be read."""
+    """Reduce a text to ASCII without comma, ``@`` and ``$``, at most 200 characters (R4)."""
     text = text.translate(_CARRIED)
     kept = (c if " " <= c <= "~" else " " for c in text)
     return " ".join("".join(kept).split())[:REFUSAL_CHARACTERS]
 
 
 def name_of(command: Command) -> str:
-    """As a refusal has it."""
+    """The command's name in a refusal."""
     if isinstance(command, Relay):
         return "relay"
     return "manual" if isinstance(command, Manual) else WORDS[type(command)].code
 
 
 def acknowledge(command: Command, accepted: bool, now: float) -> Ack | None:
-    """R2; None for what only the STM32 may answer."""
+    """The acknowledgement of a command (R2); None if only the STM32 may answer it."""
     if isinstance(command, Relay | Manual):
         return None
     return answer(name_of(command), accepted, now)

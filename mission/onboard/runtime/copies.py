@@ -1,18 +1,20 @@
 """Commands that arrive twice (R1, R12): by the other path, late by modem, or repeated.
 
-    accepted less than 2 min ago, that or this by modem    -->  a copy
-    refused less than 2 min ago, and this by modem         -->  a copy
-    a copy:  it is in force still   -->  answered as done, not executed
-             it is not              -->  refused: who said it meant what was then
+    accepted less than 2 min ago, then or now by modem     -->  a copy
+    refused less than 2 min ago, and now by modem          -->  a copy
+    a copy:  it is still in force   -->  answered as done, not executed
+             it is not              -->  refused: it was meant for the state of then
 
-Bytes do not tell a copy from a new wish. Who means it says it by the network, and once more 5 s
-after that was refused (one who asks by the network asks for 3 s alone); or waits until the 2 min
-are over; or says something else. A refused @AC and a refused line of a mission may be said again
-at once, which is their rule (R7, R3); but one press of @AC by both ways is no second wish: by modem
-the network's is a copy. X, W and M are never copies, nor is @ST, which is refused by
-modem. By the network alone nothing is: a connection keeps its order, and asks one thing at a time.
+The bytes do not show whether a command is a copy or a new wish. An operator who means it sends it
+by network, and once more 5 s after a refusal there (the tries of one request by network last only
+3 s); or waits until the 2 min are over; or sends something else. Exceptions:
 
-What does not live here: what is in force (topside), who may command (commander).
+- A refused @AC or mission line may be repeated at once (R7, R3).
+- By modem, an @AC that the network refused is a copy: one press by both paths is no second wish.
+- X, W and M are never copies, nor is @ST, which is refused by modem.
+- By network alone nothing is a copy: a connection keeps its order, with one request at a time.
+
+What does not live here: what is in force (operator_server), who may command (commander).
 """
 
 from __future__ import annotations
@@ -24,9 +26,9 @@ from mission.model import Verdict
 from mission.onboard.runtime.command_target import MODEM, Peer
 from protocol.messages import ClearMission, Command, MissionLine, Relay, SetTime
 
-LATE_S = 120.0  # a copy may come so much later
-TWICE_S = 5.0  # an increment by both paths
-AGAIN_S = 5.0  # after a refusal: longer than the tries of one command last
+LATE_S = 120.0  # s: a copy may come this late
+TWICE_S = 5.0  # s between an increment and its copy by the other path
+AGAIN_S = 5.0  # s after a refusal: longer than the tries of one command last
 REMEMBERED = 20_000  # commands: two of the longest uploads
 
 
@@ -35,17 +37,17 @@ class _Said:
     peer: Peer
     t: float
     accepted: bool
-    refused: float | None = None  # when a copy by the network was, first
+    refused: float | None = None  # when a copy by network was first refused
 
 
 class Copies:
     def __init__(self, in_force: Callable[[Command], bool | None]) -> None:
-        """``in_force``: None where nothing but the newest command of its kind tells."""
+        """``in_force``: None if no state shows it; then the newest command of its kind decides."""
         self._in_force = in_force
         self.said: dict[Command, _Said] = {}  # the newest last
 
     def note(self, peer: Peer, command: Command, accepted: bool, now: float) -> None:
-        """Notes that the command was executed, or refused."""
+        """Note that the command was executed, or refused."""
         kept = self.said
         kept.pop(command, None)
         kept[command] = _Said(peer, now, accepted)
@@ -53,11 +55,11 @@ class Copies:
             del kept[oldest]
 
     def age(self, command: Command, now: float) -> float:
-        """s since it was said. KeyError if it was not."""
+        """Seconds since the command was received. Raises KeyError if it was not."""
         return now - self.said[command].t
 
     def judge(self, peer: Peer, command: Command, now: float) -> Verdict | None:
-        """What a copy is answered; None: it is none, or meant."""
+        """The answer to a copy; None if the command is no copy, or is meant."""
         said = self.said.get(command)
         if said is None or not _may_be_copy(said, peer, command, now):
             return None
@@ -86,7 +88,7 @@ def _kind(command: Command) -> object:
 
 
 def _adds(command: Command) -> bool:
-    """What it set cannot be seen to be set."""
+    """Whether the command is an increment: no state shows that it was executed."""
     return isinstance(command, Relay) and command.frame.startswith(b"@DA")
 
 
@@ -101,6 +103,6 @@ def _may_be_copy(said: _Said, peer: Peer, command: Command, now: float) -> bool:
 
 
 def _may_be_repeated(said: _Said, command: Command) -> bool:
-    """By modem, once it was refused."""
+    """Whether a refused command may be repeated by modem at once."""
     by_modem = said.peer.link == MODEM
     return isinstance(command, MissionLine) or (isinstance(command, ClearMission) and by_modem)

@@ -3,12 +3,13 @@
     bit   0    1      2      3     4       5        of @ACK_NI, and the letters of @NS
     node  Pi   STM32  BDGPS  UACM  CAMERA  AUTO
 
-AUTO closes here and now. The others belong to processes: a request leaves as
-``Tx(link="nodes", data=b"CAMERA O")``, whoever runs the process answers with
-``Rx(link="nodes", data=b"CAMERA O\\n")`` when it is so. All within 5 s, or the switch
-is answered N. AUTO opens when all others are as asked for.
+AUTO closes at once. The others belong to processes: a request leaves as
+``Tx(link="nodes", data=b"CAMERA O")``, and the owner of the process answers with
+``Rx(link="nodes", data=b"CAMERA O\\n")`` when it is done. If not all have changed within 5 s, the
+switch is answered N. AUTO opens when all others are as requested.
 
-What does not live here: who may switch (topside), what AUTO does (engine), processes (the pump).
+What does not live here: who may switch (operator_server, node_switching), what AUTO does (engine),
+processes (serve.processes).
 """
 
 from __future__ import annotations
@@ -37,20 +38,20 @@ class DeviceSwitches:
     def __init__(self, configured: frozenset[str]) -> None:
         self._configured = configured
         self._open = {name: name in OWN or name in configured for name in NAMES}
-        self._asked = dict(self._open)  # of the processes, last: what it comes to be
+        self._asked = dict(self._open)  # what each process was last asked to become
         self._pending: _Pending | None = None
 
     def is_open(self, name: str) -> bool:
         return self._open[name]
 
     def stays_open(self, name: str) -> bool:
-        """It is open, and nothing that was asked for closes it."""
+        """Whether the node is open, and no request will close it."""
         pending = self._pending is None or self._pending.wanted[name]
         return self._open[name] and self._asked[name] and pending
 
     def reopen(self, name: str) -> bytes:
-        """What the process is asked for, so that a node that is closed, or about to be, is open;
-        b"" if nothing. A pending switch that would close it is given up."""
+        """Return the request to the process that opens a node which is closed or about to close;
+        b"" if none is needed. A pending switch that would close it is given up."""
         if self.stays_open(name) or name not in self._configured:
             return b""
         if self._pending is not None and not self._pending.wanted[name]:
@@ -59,7 +60,7 @@ class DeviceSwitches:
         return f"{name} {OPEN}".encode()
 
     def are(self, switches: str) -> bool:
-        """Whether all nodes are as these letters say; the Pi's own is not looked at (E-T2)."""
+        """Whether all nodes are as these letters say; the Pi's own is ignored (E-T2)."""
         named = zip(NAMES[1:], switches[1:], strict=True)
         return all(self._open[name] == (letter == OPEN) for name, letter in named)
 
@@ -68,7 +69,7 @@ class DeviceSwitches:
         return sum(1 << bit for bit, name in enumerate(NAMES) if self._open[name])
 
     def switch(self, switches: str, now: float) -> list[bytes]:
-        """Begin a switch; what the processes are asked for. ``settle`` tells when it is done."""
+        """Begin a switch; return the requests to processes. ``settle`` tells when it is done."""
         wanted = {name: letter == OPEN for name, letter in zip(NAMES, switches, strict=True)}
         wanted["Pi"] = True  # E-T2: the Pi does not close itself
         self._open["AUTO"] &= wanted["AUTO"]
@@ -79,15 +80,15 @@ class DeviceSwitches:
         return [f"{name} {OPEN if wanted[name] else CLOSE}".encode() for name in asks]
 
     def changed(self, data: bytes) -> None:
-        """Takes in a process's report of its node's state; lines that name no node are ignored."""
+        """Take in a process's report of its node's state; lines that name no node are ignored."""
         for line in data.decode("ascii", "replace").splitlines():
             name, _, letter = line.partition(" ")
             if name in NAMES and name not in OWN and letter in (OPEN, CLOSE):
                 self._open[name] = letter == OPEN
 
     def settle(self, now: float) -> str | None:
-        """None: not yet, or nothing is pending. Else, once: which nodes of the pending switch have
-        not changed in time, in words; "" where all have."""
+        """End the pending switch if it is decided. Return, once, which nodes have not changed in
+        time, as text; "" if all have. None: not decided yet, or nothing is pending."""
         if self._pending is None:
             return None
         wanted = self._pending.wanted

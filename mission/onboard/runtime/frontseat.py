@@ -1,28 +1,28 @@
-"""The way to the STM32: one line, one command outstanding, safety first. Sans-IO, no clock.
+"""The path to the STM32: one line, one command outstanding, safety first. Sans-IO, no clock.
 
     1  STOP, SURFACE  --> urgent --+
     2  setpoints --> queue --------+--> line (20 ms after the end of the frame before) --> STM32
     3  relays (M, R, @DA/@DS) -----+        one Z outstanding; 300 ms, 3 tries (R1)
 
-The smaller number has the line first: an order, the further tries of what is not answered, both
-frames of an ascent's X0 and U12, a leg's set. What operators pass on has what is left, and waits
-while an answer is waited for: a board that is busy with it may not hear the further tries. Where no
-answer comes one word leaves every 2 s. Under the stick there are no sets, and M has their place.
+The smaller number has the line first: an order, retries of an unacknowledged frame, both frames of
+an ascent (X0 and U12), a leg's set. Relays get the time that is left. They wait while an
+acknowledgement is pending, because a board that is busy with a relay may miss the retries. Without
+acknowledgements one relay leaves every 2 s. Under the stick there are no sets; M has their rank.
 
-Rules of docs/rules.md that live here: R1 (stop and wait), R7's overtaking (what is queued is
-dropped, an unanswered Z is given up), the as-built ACK code ``A`` for any Z, and the gap without
-which two frames arrive as one burst and are misread. A set that is not out after 5 s, though
-newer ones of the same leg have taken its place meanwhile, is told as LATE, once.
+Rules of docs/rules.md that live here: R1 (stop and wait), R7's overtaking (the queue is dropped, an
+unacknowledged Z is given up), the as-built ACK code ``A`` for any Z, and the gap without which two
+frames arrive as one burst and are misread. A set that has not left completely after 5 s, even if
+newer sets of the same leg have replaced it, is reported as LATE, once.
 
-An ACK of code A does not say which Z it answers. Whoever gave up on a Z or sent it twice is still
-owed an answer; until that came or could no longer come (300 ms) an ACK of code A is not believed
-to be the next frame's, and the next setpoint waits. STOP and SURFACE do not wait: at worst they
-are sent once more.
+An ACK of code A does not say which Z it answers. After a Z was given up or sent twice, another ACK
+may still come. Until it has come, or can no longer come (300 ms), an ACK of code A does not count
+for the next frame, and the next setpoint waits. STOP and SURFACE do not wait: at worst they are
+sent once more.
 
-The U12 of an ascent is said again by itself: once behind its answer, and for as long as there is
-none, until something else is commanded. A board that is busy with the X0 before it hears none of
-three tries, and an X0 that is answered twice answers for both. What is passed on leaves meanwhile,
-so that the board may be busy with that: these tries are longer.
+The U12 of an ascent is repeated automatically: once after its ACK, and as long as there is no ACK,
+until something else is commanded. A board that is busy with the X0 before it misses all three
+tries, and an X0 that is acknowledged twice answers for both. Relays leave between these repeats and
+may keep the board busy, so the timeout of these tries is longer.
 
 What does not live here: what the commands mean and the R8 consequence of three lost Z (engine),
 which relay is next (relays), frames (protocol.vehicles), bytes on the port (links).
@@ -44,13 +44,13 @@ from protocol.vehicles.auv import change
 
 ANSWER_S = 0.3
 TRIES = 3
-AGAIN_S = 1.5  # behind the tries of an ascent's U12, until it is said again
-LONGER_S = 0.5  # for an answer then: three tries outlast a board that is busy for 0.9 s
-HELD_S = 2.0  # for which unanswered frames hold relays back: three tries of two frames, and some
+AGAIN_S = 1.5  # s after the tries of an ascent's U12, until it is repeated
+LONGER_S = 0.5  # s, the timeout then: three tries outlast a board that is busy for 0.9 s
+HELD_S = 2.0  # s that unacknowledged frames hold relays back: three tries of two frames, and some
 GAP_S = 0.02
 BITS_PER_BYTE = 10  # 8N1
 BITS_PER_S = 9600
-LEAVES_S = 5.0  # within which a set must be out
+LEAVES_S = 5.0  # s within which a set must have left
 ANY = "A"  # as-built firmware acknowledges every Z with this code
 
 
@@ -59,7 +59,7 @@ class _Frame:
     data: bytes
     command: Setpoint | Order
     reason: str
-    again: bool = False  # it has been said before, and was answered or lost
+    again: bool = False  # it was sent before, and acknowledged or lost
 
     @property
     def lifts(self) -> bool:
@@ -79,7 +79,7 @@ class _Outstanding:
 
 @dataclass(frozen=True, slots=True)
 class _Owed:
-    """An answer that may still come for a transmission nobody waits for any more."""
+    """An ACK that may still come for a transmission that nobody waits for any more."""
 
     code: str
     until: float
@@ -88,7 +88,7 @@ class _Owed:
 class Frontseat:
     """Turns Actions and relays into bytes at the right time, and ACKs into Outcomes.
 
-    A frame that a newer set or a safety command replaced before it was answered has no Outcome.
+    A frame that a newer set or a safety command replaced before its ACK has no Outcome.
     """
 
     gap = GAP_S  # s that the line needs between two frames
@@ -108,34 +108,34 @@ class Frontseat:
         self._queue: deque[_Frame] = deque()
         self._outstanding: _Outstanding | None = None
         self._owed: list[_Owed] = []
-        self._becoming: Setpoint | None = None  # of which nothing was refused or lost so far
-        self._held: Setpoint | None = None  # all of it was accepted, and nothing left since
+        self._becoming: Setpoint | None = None  # nothing of it was refused or lost so far
+        self._held: Setpoint | None = None  # all of it was accepted, and nothing sent since
         self._set: Setpoint | None = None  # the newest
-        self._late_at: float | None = None  # unless all of a set has left by then
-        self._order: Order | None = None  # the newest command, if it is one
-        self._again: tuple[float, _Frame] | None = None  # what is said again, and when
-        self._sent_at = self._row_from = -math.inf  # a frame that is answered; a row of them
-        self._free = 0.0  # from when on the line may be used
+        self._late_at: float | None = None  # when a set is late, unless all of it has left
+        self._order: Order | None = None  # the newest command, if it is an order
+        self._again: tuple[float, _Frame] | None = None  # what is repeated, and when
+        self._sent_at = self._row_from = -math.inf  # a frame that is acknowledged; a row of them
+        self._free = 0.0  # when the line is free
 
     @property
     def halfway(self) -> bool:
-        """Words of a set, or the second of an ascent, wait behind those that have left."""
+        """Whether frames of a set, or the second of an ascent, wait behind those that have left."""
         return bool(self._urgent or self._queue)
 
     @property
     def idle(self) -> bool:
-        """Nothing waits to be sent or answered."""
+        """Whether nothing waits to be sent or acknowledged."""
         return self.said_all and self._outstanding is None and self._again is None
 
     @property
     def said_all(self) -> bool:
-        """The same, but for what is said again."""
+        """Like ``idle``, but without the automatic repeats."""
         waiting = self._outstanding
         waits = self._urgent or self._queue or self._relays.waiting or self._outputs.words
         return not waits and (waiting is None or waiting.frame.again)
 
     def command(self, action: Action) -> Outcome | None:
-        """Queue an action; an Outcome only if the vehicle has no word for it."""
+        """Queue an action; return an Outcome only if the vehicle has no command for it."""
         try:
             if isinstance(action.command, Outputs):
                 self._outputs.add(self._take_outputs(action.command), action.reason)
@@ -153,27 +153,26 @@ class Frontseat:
         self._becoming = self._set
         if not action.steers and self._set != before:
             self._late_at = None  # another leg, or none
-        self._queue.clear()  # a set is complete: what is left of the one before is obsolete
+        self._queue.clear()  # a set is complete: the rest of the one before is obsolete
         before_it, self._order = self._order, None
         if isinstance(action.command, Order):
             self._order = action.command
-            if self._order != before_it:  # what came behind it may leave while it is said again
+            if self._order != before_it:  # relays behind it may leave while it is repeated
                 self._relays.clear()
             self._give_up()
-            same = [f for f in self._urgent if f.reason == action.reason]  # of one decision
-            self._urgent = deque([*same, *frames])
+            same = (f for f in self._urgent if f.reason == action.reason)  # of the same decision
+            self._urgent = deque([*(f for f in same if f.command != action.command), *frames])
         else:
             self._queue.extend(frames)
         return None
 
     def cannot_relay(self, frame: bytes) -> str:
-        """R, M and D are this board's own words."""
+        """Always "": R, M and D are this board's own commands."""
         return ""
 
     def relay(self, data: bytes, reason: str, manual: bool = False) -> str:
-        """Pass a frame on unchanged; why not, "" if it will leave. A manual one ends every Z, the
-        stop of a silent stick included: a later try of it would throw the STM32 out of manual
-        mode (R6)."""
+        """Pass a frame on unchanged; why not, "" if it will leave. A manual one cancels every Z,
+        also the stop of a silent stick: a retry of it would end the STM32's manual mode (R6)."""
         if manual:
             self._queue.clear()
             self._urgent.clear()
@@ -186,10 +185,10 @@ class Frontseat:
         return ""
 
     def report(self, report: Telemetry) -> None:
-        """This board holds by itself."""
+        """Nothing to do: this board closes its loops itself."""
 
     def answer(self, ack: Ack, now: float) -> Outcome | None:
-        """What an ACK of group Z decides; None if it answers nothing that is outstanding."""
+        """The Outcome by an ACK of group Z; None if it answers no outstanding frame."""
         self._owed = [owed for owed in self._owed if owed.until > now]
         owed = next((o for o in self._owed if ack.function in (ANY, o.code)), None)
         if owed is not None:
@@ -209,8 +208,8 @@ class Frontseat:
         return Outcome(result, waiting.frame.data, waiting.frame.command)
 
     def poll(self, now: float) -> tuple[list[Tx], list[Outcome]]:
-        """Send what is due (at most one frame: the gap follows it), give up what was lost. What
-        was lost is told before anything further leaves: it may be the reason for an order."""
+        """Send what is due (at most one frame: the gap follows it), and give up lost frames. A loss
+        is reported before anything else leaves, because it may lead to an order."""
         waiting = self._outstanding
         if waiting is None and self.idle:
             return [], []
@@ -242,7 +241,7 @@ class Frontseat:
 
     @property
     def _passes_on_at(self) -> float:
-        """From when on what is passed on may leave, if the line is free."""
+        """When relays may leave, if the line is free."""
         return -math.inf if self._outstanding is None else self._row_from + HELD_S
 
     def _pass_on(self, now: float) -> list[Tx]:

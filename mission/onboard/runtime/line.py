@@ -1,6 +1,6 @@
-"""Which way leads to the vehicle, and how fast its line is.
+"""Choose the path to the vehicle, and the bit rate of its line.
 
-What does not live here: the two ways themselves (frontseat, repeater).
+What does not live here: the two paths themselves (frontseat, repeater).
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from protocol.vehicles.adapter import SilentBoard
 
 
 def line_to(codec: VehicleCodec, link: str, url: str, vehicle: Vehicle) -> Frontseat | Repeater:
-    """``vehicle``: that which ``codec`` speaks to; its rate where the ``url`` tells none."""
+    """``vehicle``: the one that ``codec`` speaks to; its bit rate counts if ``url`` has none."""
     channels = {output.name: output.channel for output in vehicle.outputs}
     codec.take_outputs(vehicle.safe_levels)
 
@@ -35,5 +35,5 @@ def line_to(codec: VehicleCodec, link: str, url: str, vehicle: Vehicle) -> Front
 
 
 def closer_of(loop: OuterLoop | None) -> LoopCloser | None:
-    """None where nobody has confirmed axes and signs (R17)."""
+    """The loop closer; None until axes and signs are confirmed (R17)."""
     return LoopCloser(loop) if loop is not None and loop.confirmed else None

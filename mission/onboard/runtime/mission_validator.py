@@ -1,8 +1,8 @@
-"""Validates an uploaded mission: its lines become a Chart, or are refused in one line of text (R3).
+"""Validate an uploaded mission: its lines become a Chart, or are refused in one line of text (R3).
 
-A verdict follows from the lines and the vehicle alone, so it may be found in advance:
-``MissionValidator`` keeps the last one. ``serve`` has it found in a thread before the runtime hears
-the line that completes the mission (validation_queue), so that the runtime does not stand still for
+A verdict depends on the lines and the vehicle alone, so it can be found in advance:
+``MissionValidator`` keeps the last one. A thread of ``serve`` finds it before the runtime receives
+the line that completes the mission (validation_queue), so that the runtime does not block for
 seconds; a replay validates again.
 
 What does not live here: where the lines come from (staging, store), the rules (language, compiler,
@@ -18,14 +18,14 @@ from mission.onboard.runtime.command_target import MissionRefused
 
 
 class MissionValidator:
-    """Of the missions of one vehicle. ``closed``: why none is accepted, "" if that depends."""
+    """Validates missions of one vehicle. ``closed``: why none is accepted, "" if they may be."""
 
     def __init__(self, vehicle: Vehicle, closed: str = "") -> None:
         self._vehicle, self._closed = vehicle, closed
         self._last: tuple[tuple[str, ...], Chart | str] = ((), "there are no lines")
 
     def __call__(self, lines: tuple[str, ...]) -> Chart:
-        """Raises MissionRefused, with the first thing that is wrong."""
+        """Return the chart. Raises MissionRefused with the first fault."""
         if self._closed:
             raise MissionRefused(self._closed)
         known, verdict = self._last
@@ -38,7 +38,7 @@ class MissionValidator:
 
 
 def _verdict(lines: tuple[str, ...], vehicle: Vehicle) -> Chart | str:
-    """A fault of the check itself refuses too: no mission's last line ends the program."""
+    """An error of the check itself refuses, too: no mission may crash the program."""
     try:
         return judge(lines, vehicle)
     except MissionRefused as refusal:
@@ -48,7 +48,7 @@ def _verdict(lines: tuple[str, ...], vehicle: Vehicle) -> Chart | str:
 
 
 def judge(lines: tuple[str, ...], vehicle: Vehicle) -> Chart:
-    """As above."""
+    """Compile and check a mission. Raises MissionRefused with the first fault."""
     try:
         from mission.authoring.check import check_mission
         from mission.authoring.language import draft_script

@@ -1,9 +1,9 @@
-"""An @NS from its asking to its answer (R13): what it may close, who asked, what became of it.
+"""An @NS from request to answer (R13): what it may close, who asked, what became of it.
 
     @NS --may it?--> device_switches --requests--> processes
-    X, W, the last boat gone --a node that is needed--> opened again, the pending @NS answered N
+    X, W, last boat disconnected --a node that is needed--> opened again, the pending @NS answered N
 
-What does not live here: how the nodes are (device_switches), who may command, and the answers
+What does not live here: the state of the nodes (device_switches), who may command, and the answers
 (operator_server).
 """
 
@@ -21,7 +21,7 @@ from protocol.messages import NodeSwitch
 @dataclass(slots=True)
 class Switch:
     command: NodeSwitch
-    asked: dict[Peer, bool]  # in turn; whether no X or W was said since
+    asked: dict[Peer, bool]  # in order; whether no X or W came since
     verdict: Verdict = field(default_factory=lambda: Verdict(True))
 
 
@@ -33,8 +33,8 @@ class NodeSwitching:
         self._done, self._out = list[Switch](), list[Tx]()
 
     def begin(self, peer: Peer, command: NodeSwitch, by_network: bool, now: float) -> str:
-        """Why not, "" if it has begun, or had: what is said again is one switch.
-        ``by_network``: there is a way in beside the modem."""
+        """Begin a switch; why not, "" if it has begun. A repeated @NS joins the pending switch.
+        ``by_network``: there is a connection besides the modem."""
         if self._pending and self._pending.command == command:
             self._pending.asked[peer] = True
             return ""
@@ -52,12 +52,12 @@ class NodeSwitching:
         return ""
 
     def overtake(self) -> None:
-        """Nobody commands by what was asked before an X or W."""
+        """An X or W came: an @NS from before it makes nobody commander."""
         if self._pending:
             self._pending.asked = dict.fromkeys(self._pending.asked, False)
 
     def reopen(self, name: str, why: str, now: float) -> None:
-        """A node that is needed, though an @NS has closed it or is about to."""
+        """Open a node that is needed, although an @NS has closed it or is about to."""
         if request := self._nodes.reopen(name):
             self._out.append(Tx(now, LINK, request, why))
             if self._nodes.next_timer() is None:  # the pending switch is given up
@@ -69,7 +69,7 @@ class NodeSwitching:
             self._end(Verdict(not late, late))
 
     def done(self) -> list[Switch]:
-        """Those that are to be answered, since the last call."""
+        """Return the switches to answer, since the last call."""
         if not self._done:
             return []
         done, self._done = self._done, []

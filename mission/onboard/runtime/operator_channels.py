@@ -1,15 +1,15 @@
-"""The two ways between an operator and the Pi (R12): a stream of frames, and the modem's envelopes.
+"""The two paths between an operator and the Pi (R12): a stream of frames, and modem envelopes.
 
-    StreamPath   one TCP connection: frames as they come, answers at once
-    ModemPath    half duplex: the answers to one request leave together, when it is their turn
-                 (R15); X and W are heard in whatever comes (``obeyed``)
+    StreamChannel   one TCP connection: frames as they come, answers at once
+    ModemChannel    half duplex: the answers to one request leave together, in their turn (R15);
+                    X and W are found in any bytes (``obeyed``)
 
-A command whose frame is whole but whose value is not (G4) is heard as ``Unfit``, so that it can be
-answered N; what is no frame at all, or has the wrong number of fields (E-V2), is a fault alone. A
-stick in whatever is a fault is ``Unfit``, too: somebody holds it (R6).
+A whole frame with an invalid value (G4) becomes ``Unfit``, so that it can be answered N. Bytes that
+are no frame, or have the wrong number of fields (E-V2), are a fault alone. An M within a fault is
+``Unfit``, too: somebody holds the stick (R6).
 
-What does not live here: envelope and turns (protocol.modem, protocol.arq), what is answered
-(topside).
+What does not live here: envelope and turns (protocol.modem, protocol.arq), the answers
+(operator_server).
 """
 
 from __future__ import annotations
@@ -33,8 +33,8 @@ from protocol.topside import TopsideCodec, encode
 
 @dataclass(frozen=True, slots=True)
 class Unfit:
-    """A command that is refused whole; ``code`` is what an N answers, ``AW`` and the like, or
-    ``STICK``, which nothing answers."""
+    """A command that is refused whole. ``code``: the command that the N answers, such as ``AW``; or
+    ``STICK``, which gets no answer."""
 
     code: str
     fault: FrameFault
@@ -42,15 +42,15 @@ class Unfit:
 
 Heard = Command | FrameFault | Unfit
 
-STICK = "manual"  # as a refusal has it
+STICK = "manual"  # its name in a refusal
 _STICK = re.compile(rb"@M[TDMRSP][^@$]*\$")  # whatever its value
-_ANSWERED = ("NS", "AW", "AO", "ST", "SP")  # those with values that may be unfit
+_ANSWERED = ("NS", "AW", "AO", "ST", "SP")  # those with values that may be invalid
 _UNFIT = ("out_of_range", "bad_enum", "non_numeric", "empty_field")
 _LONGEST = 512  # bytes that a fault may reach back
 
 
 class _Listener:
-    """A TopsideCodec that knows what the faulty bytes were."""
+    """A TopsideCodec that keeps recent bytes, to look into a fault."""
 
     def __init__(self, tolerances: Tolerances) -> None:
         self._codec = TopsideCodec(tolerances)
@@ -89,7 +89,7 @@ class OperatorChannel(Protocol):
     def send(self, answer: Answer, now: float, reason: str, unasked: bool = False) -> None: ...
 
     def outgoing(self, now: float) -> Sequence[tuple[bytes, str]]:
-        """What leaves now, each with its reason."""
+        """The bytes that leave now, each with its reason."""
         ...
 
     def next_timer(self) -> float | None: ...
@@ -150,7 +150,7 @@ class ModemChannel:
             if isinstance(item, FrameFault):
                 heard.append(item)
                 continue
-            codec = _Listener(self._tolerances)  # a content holds whole frames: nothing carries
+            codec = _Listener(self._tolerances)  # whole frames: no state carries over
             content = codec.receive(item.content, item.t) + codec.flush(math.inf)
             heard += self._obeyed.left_of(content, now)
         return heard
@@ -159,7 +159,7 @@ class ModemChannel:
 def operator_channels(
     tolerances: Tolerances, modem: str | None = None
 ) -> Callable[[str], OperatorChannel]:
-    """What makes one for a connection over the link of a name; ``modem``: its URL."""
+    """Return a function that makes a channel for a link, by its name. ``modem``: its URL."""
     return partial(_channel, tolerances, baud_of(modem or "", BAUD))
 
 

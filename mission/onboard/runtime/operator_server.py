@@ -1,12 +1,12 @@
-"""The Pi's side of the operator protocol: who said what, may he, and what is answered. Sans-IO.
+"""The Pi's side of the operator protocol: who may command, and the answers. Sans-IO.
 
     bytes --path--> command --copy? commander? idle?--> CommandTarget
     answer --path of the request (R12)--> bytes
 
 Rules of docs/rules.md that live here: R2 (answers N), R3 and R4 (with ``uploads``), R6's relaying,
 R9-R11 as far as an answer shows them, R12 (with ``copies``, ``commander``), R13 (with
-``node_switching``), R14. STOP and SURFACE pass from any connection, always, and are answered by
-what became of them at the STM32.
+``node_switching``), R14. STOP and SURFACE are always accepted, from any connection; the answer is
+their outcome at the STM32.
 
 What does not live here: what a command does to the vehicle (engine, behind ``CommandTarget``),
 frames (protocol), sockets.
@@ -63,7 +63,7 @@ from protocol.topside import answer
 
 RELAY_ANSWER_S = 5.0
 ORDER_ANSWER_S = 10.0
-TELL_S = 1.0  # between two reports that tell one and the same why nothing is relayed
+TELL_S = 1.0  # s between two reports of refused relays
 YES, NO = ord("Y"), ord("N")
 Query = DataQuery | StoreQuery | StateQuery | NodeQuery
 
@@ -77,7 +77,7 @@ class OperatorServer:
         nodes: DeviceSwitches,
         answer_no: bool = True,
     ) -> None:
-        """``path`` makes one for a connection over the link of that name."""
+        """``path`` makes the channel of a connection, by the name of its link."""
         self._target, self._store, self._new_path = target, store, path
         self._nodes, self._answer_no = nodes, answer_no  # R2
         self._uploads = Uploads(target, store)
@@ -87,7 +87,7 @@ class OperatorServer:
         self._pending = PendingAnswers()
         self._switching = NodeSwitching(target, nodes)
         self.refusals = Refusals()
-        self._told = -math.inf  # when a refused relay was
+        self._told = -math.inf  # when a refused relay was last reported
         self._faults = list[tuple[Peer, FrameFault]]()
 
     # --- connections ---------------------------------------------------------------------
@@ -109,13 +109,13 @@ class OperatorServer:
         self._take(peer, self._paths[peer].receive(data, now), now, said)
 
     def foresee(self, peer: Peer, data: bytes, now: float) -> tuple[str, ...]:
-        """The set of lines that these bytes would make whole, () if none. Changes nothing."""
+        """The set of lines that these bytes would complete, () if none. Changes nothing."""
         if peer not in self._paths or not self._uploads.may_complete(data):
             return ()
         return self._uploads.foresee(copy.deepcopy(self._paths[peer]).receive(data, now), now)
 
     def changed(self, data: bytes, now: float) -> None:
-        """Bytes of the link ``nodes``."""
+        """Take in bytes of the link ``nodes``."""
         self._nodes.changed(data)
         self._settle(now)
 
@@ -133,7 +133,7 @@ class OperatorServer:
         return first
 
     def outgoing(self, now: float) -> list[Tx]:
-        """What leaves now."""
+        """Return what leaves now."""
         out = self._switching.outgoing()
         for peer, path in self._paths.items():
             for data, why in path.outgoing(now):
@@ -141,19 +141,19 @@ class OperatorServer:
         return out
 
     def faults(self) -> list[tuple[Peer, FrameFault]]:
-        """Bytes that were no frame, since the last call."""
+        """Return the faults (bytes that were no frame) since the last call."""
         faults, self._faults = self._faults, []
         return faults
 
     # --- what others report ---------------------------------------------------------------
 
     def relayed_answer(self, ack: Ack, now: float) -> None:
-        """An R acknowledge of the STM32: passed on, byte for byte, to whoever asked (R14)."""
+        """Pass an R acknowledgement of the STM32 on, byte for byte, to whoever asked (R14)."""
         self._answer_awaiting(ack.function, ack, now)
 
     def order_outcome(self, outcome: Outcome, now: float) -> None:
-        """What became of a STOP or SURFACE at the STM32, for whoever gave it; a set that was
-        refused is told with the next ``@AR``."""
+        """Answer a STOP or SURFACE with its outcome at the STM32. The next ``@AR`` tells of a set
+        that was refused."""
         if not isinstance(outcome.command, Order):
             if outcome.result is Result.REFUSED:
                 why = refused_set(outcome.frame, self._target.meaning_of_no(outcome.frame))
@@ -165,7 +165,7 @@ class OperatorServer:
         self._answer_awaiting(outcome.command.name, Ack(now, "Z", letter, result), now)
 
     def report_unasked(self, now: float, reason: str) -> None:
-        """One @VS on every path (R11)."""
+        """Send one @VS on every path (R11)."""
         for peer in sorted(self._paths):
             self._paths[peer].send(self._target.status(now), now, reason, unasked=True)
 
@@ -268,7 +268,7 @@ class OperatorServer:
             self._send(peer, ack, now, verdict.why or "accepted")
 
     def _answer_copy(self, peer: Peer, command: Command, verdict: Verdict, now: float) -> None:
-        """What is in force is not executed once more; but the STM32 answers for itself."""
+        """Answer a copy without executing it. An R is relayed again: the STM32 answers it."""
         if isinstance(command, Relay) and command.kind != "D" and verdict.accepted:
             self._await_relay(peer, command, now)
             if self.copies.age(command, now) >= RELAY_ANSWER_S:
@@ -276,7 +276,7 @@ class OperatorServer:
         self._answer(peer, command, verdict, now)
 
     def _in_force(self, command: Command) -> bool | None:
-        """Whether the vehicle's state says what the command asks for, None if no state does."""
+        """Whether the vehicle's state is what the command asks for; None if no state shows it."""
         match command:
             case StartMission():
                 return self._target.state.startswith(AUTONOMOUS)
@@ -294,7 +294,7 @@ class OperatorServer:
         return None
 
     def _hand_over(self, peer: Peer, now: float) -> None:
-        """R12. Who loses the command is told by an @AR that says so."""
+        """Give the command to ``peer`` (R12); an @AR informs the one who loses it."""
         loser = self.commander.hand_over(peer)
         if loser is not None:
             self._tell(loser, f"{peer} has taken the command", now, "the command is taken over")
@@ -350,7 +350,7 @@ class OperatorServer:
         return self._relayed(peer, why, now)
 
     def _relayed(self, peer: Peer, why: str, now: float) -> Verdict:
-        """No frame of the documents refuses an M, R or D: who understands an @AR is sent one."""
+        """No frame of the documents refuses an M, R or D: a peer that reads @AR is sent one."""
         if why and self.commander.reads(peer) and now - self._told >= TELL_S:
             self._told = now
             self._tell(peer, f"relay: {why}", now, why)
@@ -380,12 +380,12 @@ class OperatorServer:
 
     @property
     def _by_network(self) -> bool:
-        """Whether anybody is connected but by the modem."""
+        """Whether there is a connection besides the modem."""
         return any(peer.link != MODEM for peer in self._paths)
 
     @property
     def _deaf(self) -> str:
-        """Why the vehicle would not hear, "" if it would."""
+        """Why the vehicle would receive nothing, "" if it would."""
         return "" if self._nodes.stays_open("STM32") else "node STM32 is closed"
 
     def _answer_awaiting(self, key: str, ack: Ack, now: float) -> None:

@@ -1,14 +1,16 @@
-"""Depth and heading closed on the Pi, for a board that takes efforts alone (R17).
+"""Control of depth and heading on the Pi, for a board that takes efforts alone (R17).
 
     report --> filter --> error --> gain, rate, integral, trim --> effort, within its bound
 
-A reading that its report marks doubtful is as good as none. One that no vehicle can have come to
-is left out; where all are for a second, the filter begins anew: a quick board repeats one wrong
-value of its sensor.
-A report older than 0.5 s is neutral. Where the error has grown by 0.5 m, or 30 degrees, within 5 s
-of the same set, by every reading of a second, something is not as the vehicle file says it:
-neutral, and the set is refused. What grew under a set that was given up, or while it was neutral,
-is not the next one's. What it says follows from the recorded reports and their times alone.
+- A reading that its report marks doubtful counts as missing.
+- A reading that the vehicle cannot have reached is an outlier, and left out. If all readings of a
+  second are outliers, the filter restarts: a fast board repeats one wrong value of its sensor.
+- If the report is older than 0.5 s, the effort is neutral.
+- If the error grows by 0.5 m, or 30 degrees, within 5 s of the same set, in every reading of a
+  second, the vehicle does not behave as its file says: the effort is neutral, and the set is
+  refused. Growth under a set that was given up, or while neutral, does not count for the next set.
+
+The output depends on the recorded reports and their times alone.
 
 What does not live here: the gains (vehicle file), who confirms axes and signs (doctor).
 """
@@ -26,18 +28,18 @@ from protocol.messages import Order, Setpoint, Telemetry
 GROWS_S, LASTS_S = 5.0, 1.0
 GROWN = {"depth": 0.5, "heading": math.radians(30.0)}  # m, rad
 _SMOOTH_S = 0.3  # time constant of the filter
-_GAP_S = 1.0  # a longer one begins the filter anew
-_LEAP = {"depth": 1.0, "heading": math.radians(30.0)}  # m, rad beyond what it can have moved by
+_GAP_S = 1.0  # a longer gap restarts the filter
+_LEAP = {"depth": 1.0, "heading": math.radians(30.0)}  # m, rad beyond the possible movement
 _EFFORTS = {"depth": "heave", "heading": "turn"}
 
 
 class _Window:
-    """The least value of the last seconds; with ``sign`` -1 the greatest. Values that another one
-    has outdone since are forgotten, so that each is looked at once."""
+    """The minimum of the last ``seconds``; with ``sign`` -1 the maximum. Values that can no longer
+    be the minimum are forgotten, so that each value is handled once."""
 
     def __init__(self, seconds: float, sign: float = 1.0) -> None:
         self._seconds, self._sign = seconds, sign
-        self._kept: deque[tuple[float, float]] = deque()  # s; ever greater, times the sign
+        self._kept: deque[tuple[float, float]] = deque()  # s; value times sign, rising
 
     def take(self, t: float, value: float) -> float:
         kept, signed = self._kept, self._sign * value
@@ -57,17 +59,17 @@ class _Window:
 
 class _Axis:
     """One axis: an alpha-beta filter (Kalata 1984: beta = alpha^2 / (2 - alpha)) and a PID loop.
-    ``heard``: when its reading was last reported."""
+    ``heard``: when its last reading that is no outlier was reported."""
 
     def __init__(self, name: str, gains: AxisLoop) -> None:
         self.name, self._gains, self._circular = name, gains, name == "heading"
         self.heard = -math.inf
         self._value = self._rate = self._sum = 0.0
-        self._leaps = False  # the last reading was left out
+        self._leaps = False  # the last reading was an outlier
         self._wanted: float | None = None
-        self._error: float | None = None  # how far off it was last
+        self._error: float | None = None  # the last one, without sign
         self._least, self._most = _Window(LASTS_S), _Window(LASTS_S, -1.0)
-        self._from = _Window(GROWS_S + LASTS_S)  # of what was the most of a second
+        self._from = _Window(GROWS_S + LASTS_S)  # least of the maxima of a second
         self._resumes = False
         self.effort = 0.0
 
@@ -79,14 +81,14 @@ class _Axis:
                 self._control(self._apart(wanted, self._value), 0.0)
 
     def report(self, t: float, value: float) -> str:
-        """Takes in a report. Returns why the axis is not held any longer, "" if it is."""
+        """Take in a reading. Return why the axis is no longer held, "" if it is."""
         dt = t - self.heard
         if dt <= 0.0:
             return ""
         before, self._leaps = self._leaps, self._leapt(dt, value)
         if self._leaps:
             return ""
-        self._resumes = self._resumes and not before  # it was reported, and is an error now
+        self._resumes = self._resumes and not before  # was reported: it counts as error now
         self._filter(dt, value)
         self.heard = t
         if self._wanted is None:
@@ -96,17 +98,17 @@ class _Axis:
         return self._grown(t, abs(error))
 
     def forget(self) -> None:
-        """The error grows from here on."""
+        """Forget the errors so far: growth counts from here on."""
         self._error = None
         for window in (self._least, self._most, self._from):
             window.clear()
 
     def resume(self) -> None:
-        """What grew until the next report, while it was neutral, was not held."""
+        """Growth until the next report does not count, because the effort was neutral."""
         self._resumes = True
 
     def _leapt(self, dt: float, value: float) -> bool:
-        """Whether it is to be left out."""
+        """Whether the reading is an outlier, to be left out."""
         off = abs(self._apart(value, self._value + self._rate * dt))
         return dt <= _GAP_S and off > _LEAP[self.name] + CHANNELS[self.name].rate * dt
 
@@ -123,14 +125,14 @@ class _Axis:
     def _control(self, error: float, dt: float) -> None:
         g = self._gains
         swift = g.trim + g.gain * error - g.rate * self._rate
-        if abs(swift + self._sum) < g.most:  # at its bound nothing adds up
+        if abs(swift + self._sum) < g.most:  # no windup at the bound
             added = self._sum + g.integral * error * dt
             self._sum = max(-g.integral_most, min(g.integral_most, added))
         self.effort = max(-g.most, min(g.most, swift + self._sum))
 
     def _grown(self, t: float, error: float) -> str:
-        """By the least error of the last second, from the greatest of a second before it: one wrong
-        reading is no growth, nor is the way back from one."""
+        """Compare the least error of the last second with the greatest of a second before it, so
+        that neither one wrong reading nor the return from it is growth. Return the fault or ""."""
         if self._resumes and self._error is not None:
             for window in (self._least, self._most, self._from):
                 window.shift(error - self._error)
@@ -146,7 +148,7 @@ class _Axis:
 
 
 class LoopCloser:
-    """Of one board. Positive efforts are down, and to starboard."""
+    """The loops of one board. Positive efforts are down, and to starboard."""
 
     def __init__(self, loop: OuterLoop) -> None:
         self._axes = {
@@ -157,14 +159,14 @@ class LoopCloser:
         self.fault = ""  # why the set is given up
 
     def open(self, command: Setpoint | Order) -> Setpoint | Order:
-        """Returns the setpoint without the axes that are closed here."""
+        """Return the setpoint without the axes that are closed here."""
         if not isinstance(command, Setpoint):
             return command
         return replace(command, depth=None, heading=None)
 
     def hold(self, command: Setpoint | Order) -> None:
-        """Holds this setpoint until the next. What is said again keeps its errors, but those of one
-        that was given up."""
+        """Hold this setpoint until the next. A repeated setpoint keeps its errors, unless it was
+        given up."""
         if self.fault:
             self._forget()
         self._set, self.fault = (command if isinstance(command, Setpoint) else None), ""
@@ -182,7 +184,7 @@ class LoopCloser:
                 self.fault = self.fault or why
 
     def closed(self, command: Setpoint | Order, now: float) -> Setpoint | Order:
-        """Returns the setpoint as efforts, for a board that has nothing else."""
+        """Return the setpoint as efforts, for a board that takes nothing else."""
         held = self._held()
         if not isinstance(command, Setpoint) or not held:
             return command
@@ -193,7 +195,7 @@ class LoopCloser:
         return replace(command, depth=None, heading=None, heave=heave, turn=turn)
 
     def _is_blind(self, now: float) -> bool:
-        """By one at least of the readings that are held by."""
+        """Whether a reading that a held axis needs is too old."""
         return any(now - self._axes[name].heard > CLOSED_S for name in self._held())
 
     def _forget(self) -> None:

@@ -1,6 +1,6 @@
-"""Who is owed an answer that only the STM32 can give: R acknowledges, and what became of X and W.
+"""Peers that wait for an answer of the STM32: R acknowledgements, and the outcome of X and W.
 
-What does not live here: the answers (topside).
+What does not live here: the answers (operator_server).
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from mission.onboard.runtime.command_target import Peer
 @dataclass(frozen=True, slots=True)
 class _Awaiting:
     peer: Peer
-    key: str  # the function of an R acknowledge, or the name of an Order
+    key: str  # the function of an R acknowledgement, or the name of an Order
     until: float
 
 
@@ -22,12 +22,12 @@ class PendingAnswers:
         self._all: list[_Awaiting] = []
 
     def add(self, peer: Peer, key: str, now: float, seconds: float) -> None:
-        """Asked again, it is still one answer that is owed."""
+        """Add a peer that waits; a repeated request is still owed one answer."""
         others = [a for a in self._all if a.until > now and (a.peer, a.key) != (peer, key)]
         self._all = [*others, _Awaiting(peer, key, now + seconds)]
 
     def answered(self, key: str, now: float, final: bool) -> list[Peer]:
-        """Who hears it. Not ``final``: another answer may follow, so they go on waiting."""
+        """Return the peers that get it. Not ``final``: another may follow, so they keep waiting."""
         peers = [a.peer for a in self._all if a.key == key and a.until > now]
         self._all = [a for a in self._all if a.until > now and not (final and a.key == key)]
         return peers

@@ -1,18 +1,18 @@
-"""The GPS receivers: the first, and a second one that may stand beside it.
+"""The GPS receivers: the first, and an optional second one.
 
     gps    its fixes count
-    gps2   its fixes count while the first has said none for FAILOVER, or is stuck: the last of the
-           first's fixes are one place to the bit, those of the second are not
+    gps2   its fixes count while the first has sent none for FAILOVER, or is stuck: the last fixes
+           of the first are one position to the bit, those of the second are not
 
-While both speak and are further apart than their noise explains, nothing says which of them is
-right: what counts is taken to be as uncertain as they are apart, the nth in a row n times as much,
-and its speed and course teach nothing.
-Their error is one and no noise: 1 + 1/4 + 1/9 + ... stays below 1.65, so all of them together
-teach no more than two fixes would, and the gate for fixes judges them (R9).
+If both send fixes that are further apart than their noise explains, nobody knows which receiver is
+right. Then the standard deviation of a fix that counts is the distance between the two, of the nth
+such fix in a row n times that distance, and its speed and course are dropped. The error is a bias,
+not noise: 1 + 1/4 + 1/9 + ... stays below 1.65, so all these fixes together weigh no more than two
+fixes, and the innovation gate judges them (R9).
 
-Each receiver is judged by all that it said itself, counted or not: a place of before a dive that
-either says again does not count, nor one of the second that is no news. Without a second receiver
-every fix is passed on as it came.
+Each receiver is judged by all its own fixes, counted or not. A position from before a dive that a
+receiver repeats does not count; of the second receiver, only new positions count. Without a second
+receiver every fix is passed on as it came.
 
 What does not live here: sentences (protocol.nmea), what a fix proves (engine), the gate
 (navigation).
@@ -32,9 +32,9 @@ from protocol.nmea import NmeaDecoder
 GPS, GPS2 = "gps", "gps2"
 RECEIVERS = (GPS, GPS2)
 FAILOVER = 5.0  # s without a fix of the first
-TOLD = 10.0, 3  # s, fixes in a row: for so long the second counts, or they disagree, untold
+TOLD = 10.0, 3  # s, fixes in a row: a shorter failover or disagreement is not reported
 _STUCK = 5  # fixes in a row
-_SIGMAS, _LEAST, _FASTEST = 6.0, 3.0, 4.0  # of each noise; m, of a plain receiver's; m/s
+_SIGMAS, _LEAST, _FASTEST = 6.0, 3.0, 4.0  # of each noise; m, least noise; m/s
 
 
 class Receivers:
@@ -42,15 +42,15 @@ class Receivers:
         self._decoders = {name: NmeaDecoder() for name in RECEIVERS}
         self._last: dict[str, deque[Fix]] = {name: deque(maxlen=_STUCK) for name in RECEIVERS}
         self._said = {name: Receiver() for name in RECEIVERS}
-        self._second = False  # it has ever said a fix
+        self._second = False  # it has ever sent a fix
         self._doubts = 0  # in a row
         self._apart = 0.0  # m, when last in doubt
         self._stands_in: tuple[float, float] | None = None  # s: since when, and last
 
     @property
     def trouble(self) -> str:
-        """Why the first does not count as it should, as far as it lasts; "" if it does. While
-        nothing is said, as it was."""
+        """Why the first does not count as it should, once that lasts; "" if it counts. It changes
+        only with new fixes."""
         seconds, doubts = TOLD
         if self._doubts >= doubts:
             return f"the two receivers say places {self._apart:.0f} m apart"
@@ -60,7 +60,7 @@ class Receivers:
         return f"the first receiver {how}: the second counts"
 
     def receive(self, rx: Rx) -> list[Fix | FrameFault]:
-        """What counts of it."""
+        """Decode the bytes; return the fixes that count, and the faults."""
         heard = self._decoders[rx.link].receive(rx.data, rx.t)
         return list(self._counted(rx.link, heard)) if heard else []
 
@@ -73,7 +73,7 @@ class Receivers:
         return first
 
     def flush(self, now: float) -> list[tuple[str, list[Fix | FrameFault]]]:
-        """The same of what was waiting until now, by link."""
+        """Like ``receive``, for sentences that have waited long enough, by link."""
         return [
             (link, list(self._counted(link, decoder.flush(now))))
             for link, decoder in self._decoders.items()
@@ -90,7 +90,7 @@ class Receivers:
                 yield self._doubted(link, one)
 
     def _is_news(self, link: str, fix: Fix) -> bool:
-        """By what the same receiver said before; all is, as long as there is no second."""
+        """Whether the fix is new for this receiver; without a second receiver every fix is."""
         said = self._said[link]
         said.take(fix)
         self._second |= link == GPS2
@@ -106,7 +106,7 @@ class Receivers:
         return failed is (link == GPS2) or (link == GPS and not beside)
 
     def _doubted(self, link: str, fix: Fix) -> Fix:
-        """As uncertain as it is from the other's place, if that is too far; more each time."""
+        """The fix, more uncertain if it is too far from the other receiver's; more so each time."""
         self._apart = apart = self._between(link, fix)
         self._doubts = self._doubts + 1 if apart else 0
         if not apart:
@@ -115,7 +115,7 @@ class Receivers:
         return replace(fix, accuracy=accuracy, speed=None, course=None)
 
     def _between(self, link: str, fix: Fix) -> float:
-        """m, from the other's place of the same time; 0 where noise explains it."""
+        """Distance to the other receiver's fix of the same time, m; 0 if noise explains it."""
         others = self._last[GPS if link == GPS2 else GPS2]
         if not others or fix.t - others[-1].t > FAILOVER or _stuck(others):
             return 0.0

@@ -1,6 +1,6 @@
-"""What goes on record: kinds, payloads, and the way back. The black box keeps these bytes.
+"""The records: their kinds and payloads, written and read. The black box stores these bytes.
 
-Every payload is a JSON object; ``docs/reference/black-box.md`` has the fields of each.
+Every payload is a JSON object; ``docs/reference/black-box.md`` lists the fields of each.
 
     start          version, form, configuration, vehicle,      what a replay begins with
                    store, wall clock at t = 0
@@ -8,22 +8,22 @@ Every payload is a JSON object; ``docs/reference/black-box.md`` has the fields o
     timer                                                      input
     connected      link, address                               input
     disconnected   link, address                               input
-    navigation     (the filter is there from now on)           input
-    ending         "now" where no time is left                 input (the program is to end)
-    alarms         names                                      input (that serve alone sees)
-    store          number of the write, what failed            input (writes that failed alone)
+    navigation     (the filter is loaded from now on)          input
+    ending         "now" if no time is left                    input (the program has to end)
+    alarms         names                                       input (that serve alone sees)
+    store          number of the write, what failed            input (failed writes alone)
     step           the Step                                    output
     estimate       the Estimate                                output, one per telemetry
     tx             link, address, reason, bytes                output
     fault          link, kind, offset, length                  output
-    standing       what holds until the next one: origin,      output, when it changes
+    standing       values until the next one: origin,          output, when it changes
                    limits in force and breached, commander
     mission        the lines that the store holds              output, when they change
 
-Numbers are written so that they come back to the last bit. ``data`` has a character for each byte
-(ISO 8859-1). The inputs in their order are all that a runtime ever sees: fed to one made from
-``start`` they give the same outputs, byte for byte. ``form`` counts what a runtime has on record:
-1 had neither standing nor mission.
+Numbers are written so that they read back to the last bit. ``data`` has a character for each byte
+(ISO 8859-1). The inputs, in order, are all that a runtime ever sees: a runtime made from ``start``
+and fed with them gives the same outputs, byte for byte. ``form`` is the version of the records:
+form 1 had neither standing nor mission.
 
 What does not live here: files (blackbox), schemas (stream), comparing (replay).
 """
@@ -49,7 +49,7 @@ NAVIGATION, STORE, ENDING, ALARMS = "navigation", "store", "ending", "alarms"
 STEP, ESTIMATE, TX, FAULT = "step", "estimate", "tx", "fault"
 STANDING, MISSION = "standing", "mission"
 INPUTS = frozenset({RX, TIMER, CONNECTED, DISCONNECTED, NAVIGATION, STORE, ENDING, ALARMS})
-AT_ONCE = "now"  # the text of an ``ending`` that has no more time
+AT_ONCE = "now"  # the text of an ``ending`` with no time left
 OUTPUTS = frozenset({STEP, ESTIMATE, TX, FAULT, STANDING, MISSION})
 FORM = 2
 SINCE_FORM_2 = frozenset({STANDING, MISSION})
@@ -73,7 +73,7 @@ class Recorder(Protocol):
 
 
 class Observer(Protocol):
-    """Who wants to see what was decided as it is decided."""
+    """Receives the decisions as they are made."""
 
     def step(self, step: Step) -> None: ...
 
@@ -82,7 +82,7 @@ class Observer(Protocol):
         ...
 
     def notice(self, text: str) -> None:
-        """Something that was refused, and why: for people."""
+        """A refusal and its reason, for people."""
         ...
 
 
@@ -126,9 +126,9 @@ class Start:
 
 @dataclass(frozen=True, slots=True)
 class Standing:
-    """What holds until the next one. ``origin`` is where the estimate's north and east are counted
-    from (degrees), None before it is known; the four bounds are the limits in force (m, s, m, V);
-    ``digest`` is that of the mission that could be started, or is under way, "" if none."""
+    """Values that stay in force until the next one. ``origin``: of the estimate's north and east
+    (degrees), None before it is known. The four bounds: limits in force (m, s, m, V). ``digest``:
+    of the mission that could be started, or is under way, "" if none."""
 
     origin: Position | None
     radius: float
@@ -149,14 +149,14 @@ def read_start(record: Record) -> Start:
 
 
 def rx_record(rx: Rx, now: float) -> Record:
-    """Of most records: put together by hand, in half the time."""
+    """Most records are of this kind: building the JSON text directly takes half the time."""
     way = f'"link":{_quoted(rx.link)},"address":{_quoted(rx.address)}'
     data = _quoted(rx.data.decode(_BYTES))
     return Record(now, RX, f'{{"t":{now!r},"first":{rx.t!r},{way},"data":{data}}}'.encode())
 
 
 def read_rx(record: Record) -> Rx:
-    """``read_time`` tells when the last of its bytes came."""
+    """Return the Rx; ``read_time`` tells when the last of its bytes came."""
     plain = json.loads(record.payload)
     return Rx(plain["first"], plain["link"], plain["data"].encode(_BYTES), plain["address"])
 
@@ -173,7 +173,7 @@ def read_texts(record: Record) -> tuple[str, ...]:
 
 
 def read_time(record: Record) -> float:
-    """Of an input, exactly as it was."""
+    """Return the time of an input, to the last bit."""
     t: float = json.loads(record.payload)["t"]
     return t
 

@@ -1,13 +1,13 @@
 """The last item of ``@AR``: what the vehicle refuses, and since when. Sans-IO.
 
     AA: no mission is stored                  just now
-    AA: no mission is stored; 35 s ago        later, and to who was not there
-    X: a report shows ...                     before all others, while a stop is not obeyed
+    AA: no mission is stored; 35 s ago        later, also to a peer that was not connected
+    X: a report shows ...                     instead of others, while a stop is not obeyed
 
 A refusal ends when the same command is accepted (of a line: when all are stored), or when a mission
 is stored, started or cleared.
 
-What does not live here: who asks (topside), what contradicts a stop (engine).
+What does not live here: who asks (operator_server), what contradicts a stop (engine).
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from __future__ import annotations
 from mission.onboard.runtime.command_target import REFUSAL_CHARACTERS, one_line
 
 NEW_S = 2.0
-DOUBT_S = 5.0  # two reports of the slowest board
+DOUBT_S = 5.0  # s: two reports of the slowest board
 LINE, ENDS_ALL = "AW", frozenset({"AA", "AC"})
 UNOBEYED = "X: a report shows way after the stop; it is sent again and again"
 
@@ -36,11 +36,11 @@ class Refusals:
 
     @property
     def last(self) -> tuple[str, float]:
-        """The words, and when."""
+        """The text, and when it was noted."""
         return self._words, self._t
 
     def told(self, now: float, doubted_at: float) -> str:
-        """``doubted_at``: when a report last contradicted a stop."""
+        """The text for ``@AR``. ``doubted_at``: when a report last contradicted a stop."""
         if now - doubted_at <= DOUBT_S:
             return UNOBEYED
         age = now - self._t
@@ -51,7 +51,7 @@ class Refusals:
 
 
 def refused_set(frame: bytes, meaning: str) -> str:
-    """``frame``: what the vehicle answered N; or why it has no word for the set."""
+    """``frame``: the frame that the vehicle answered N, or why the set cannot be encoded."""
     text = frame.decode("ascii", "replace")
     said = f"the vehicle refused {text}" if frame.startswith(b"@") else f"no word for it: {text}"
     return f"{said}: {meaning}" if meaning else said

@@ -1,14 +1,14 @@
-"""The words that operators have passed on, while they wait for the line: R, rudders, M (R14, R6).
+"""Relayed commands of operators that wait for the line: R, rudders, M (R14, R6).
 
-    M before R and rudders; of words for the same thruster or servo in the order they came
-    a newer word replaces those that set nothing else       @DS1,10  @DS1,12  ->  @DS1,12
+    M before R and rudders; commands for the same thruster or servo in the order they came
+    a newer command replaces those that set nothing else    @DS1,10  @DS1,12  ->  @DS1,12
     an increment is never replaced                          @DA1,2   @DA1,2   ->  both
     more than 8 increments at a time are refused
 
-So what waits is bounded by the number of thrusters and servos, however fast a slider moves, and
-the last word for each of them is the last that leaves.
+So the queue is bounded by the number of thrusters and servos, however fast a slider moves, and the
+last command for each of them is the last that leaves.
 
-What does not live here: when the line is free for them (frontseat), what the words mean.
+What does not live here: when the line is free for them (frontseat), what the commands mean.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from dataclasses import dataclass
 
 from protocol.vehicles.auv_outputs import POWER
 
-INCREMENTS = 8  # that may wait: a quarter of a second of a 9600 line
+INCREMENTS = 8  # that may wait: a quarter of a second at 9600 bit/s
 
 _MAINS = frozenset({"thruster 1", "thruster 2"})
 _VERTICALS = frozenset({"thruster 3", "thruster 4", "thruster 5"})
@@ -64,14 +64,14 @@ def word(data: bytes, reason: str, manual: bool) -> _Word:
 
 
 def channels_of(data: bytes) -> frozenset[str]:
-    """The AUV's outputs that it sets, and what their words set (protocol.vehicles.auv_outputs)."""
+    """The AUV's outputs that a frame sets, and the keys of their frames (vehicles.auv_outputs)."""
     sets = word(data, "", False).sets
     return frozenset(channel for one in sets for channel in _CHANNELS.get(one, ()))
 
 
 class Relays:
     def __init__(self) -> None:
-        self.waiting: list[_Word] = []  # to be looked at
+        self.waiting: list[_Word] = []  # for reading alone
 
     def __len__(self) -> int:
         return len(self.waiting)
@@ -80,7 +80,7 @@ class Relays:
         self.waiting.clear()
 
     def add(self, data: bytes, reason: str, manual: bool) -> str:
-        """Why it is refused, "" if it is taken."""
+        """Queue a frame; why it is refused, "" if it is not."""
         new, waiting = word(data, reason, manual), self.waiting
         if new.adds and sum(old.adds for old in waiting) >= INCREMENTS:
             return f"{INCREMENTS} increments wait for the line: set the angle (@DS, @MDS) instead"
@@ -95,7 +95,7 @@ class Relays:
         return ""
 
     def take(self) -> tuple[bytes, str]:
-        """The next to leave, with its reason. IndexError if none waits."""
+        """Remove and return the next to leave, with its reason. Raises IndexError if none waits."""
         first = next((w for w in self.waiting if w.manual), self.waiting[0])
         next_ = next(w for w in self.waiting if w.sets & first.sets)
         self.waiting.remove(next_)

@@ -1,16 +1,16 @@
-"""The link to a board that acknowledges nothing: what holds is sent periodically (R16, R17).
+"""The path to a board that acknowledges nothing: commands are sent periodically (R16, R17).
 
-    newest command --> its frames, once the line is free --> every ``period`` the same --> board
+    newest command --> its frames, once the line is free --> the same every ``period`` --> board
 
-The frames of the newest command go out as soon as the line has carried those before, and then every
-``period``; a board that hears nothing for its own time of silence goes neutral by itself. A board
-that has to be kept awake is told to stop before anything is asked of it, and by nobody. Whatever
-was sent counts as accepted: that it is followed is seen by telemetry alone.
+The frames of the newest command leave as soon as the line is free, and then every ``period``. A
+board that receives nothing for its silence time goes neutral by itself. A board that has to be kept
+awake is sent a stop before there is any command. A frame that was sent counts as accepted: only
+telemetry shows whether the board follows it.
 
-A word of the stick becomes frames of the board's own, where it has such; 600 ms without one the
-board is told to stop, as the STM32 would by itself (R6). Nothing is passed on as it came: what the
-board has no frames for is refused, and what held goes on (R14). An operator's W and the way in use
-that comes with it, for the same reason, are said in turn: W for one period (R7).
+An M becomes frames of the board, if it has any; after 600 ms without an M the board is sent a stop,
+as the STM32 does by itself (R6). Nothing is passed on unchanged: a command for which the board has
+no frames is refused, and the command in force continues (R14). An operator's W, and the ascent's
+way in use that comes with it for the same reason, are sent in turn: W for one period (R7).
 
 What does not live here: boards that acknowledge (frontseat), frames (protocol.vehicles).
 """
@@ -37,10 +37,10 @@ def _no_stick(held: Setpoint, word: bytes) -> Setpoint:
 
 
 class Repeater:
-    """To the runtime the same as a ``Frontseat``."""
+    """Has the same interface as ``Frontseat``."""
 
     halfway = False
-    gap = 0.0  # s: frames are delimited by their bytes
+    gap = 0.0  # s: none is needed, bytes delimit the frames
 
     def __init__(
         self,
@@ -53,10 +53,10 @@ class Repeater:
         take_outputs: TakeOutputs = no_outputs,
         closer: LoopCloser | None = None,
     ) -> None:
-        """``kept_awake``: why the board is told to stop before anything is asked of it, and goes on
-        being told; "": it is not. ``stick``: what an M asks for, upon what the stick held.
-        ``take_outputs``: what is in no frame of its own is in every later one of ``encode``.
-        ``closer``: holds what the board does not."""
+        """``kept_awake``: why the board is sent a stop, repeatedly, before there is any command;
+        "": it is not. ``stick``: the setpoint of an M, given what the stick held.
+        ``take_outputs``: outputs without a frame of their own are in every later frame of
+        ``encode``. ``closer``: holds the axes that the board does not."""
         self._closer, self._given_up = closer, False
         self._encode, self._period, self._link = encode, period, link
         self._steer = stick
@@ -64,12 +64,12 @@ class Repeater:
         self._seconds_per_byte = BITS_PER_BYTE / bits_per_s
         self._frames: list[bytes] = []
         self._action: Action | None = None
-        self._behind: Action | None = None  # the way in use, behind a W that has a period
+        self._behind: Action | None = None  # the way in use, after the period of a W
         self._is_new = False
-        self._news = ""  # the reason of outputs that are to be said with what holds
-        self._stick: Setpoint | None = None  # what it holds
-        self._lets_go = math.inf  # when it counts as let go
-        self._due = self._free = 0.0  # when it is said again; from when on the line may be used
+        self._news = ""  # the reason of outputs that leave with the command in force
+        self._stick: Setpoint | None = None  # what the stick holds
+        self._lets_go = math.inf  # when the stick counts as released
+        self._due = self._free = 0.0  # when the command is repeated; when the line is free
         if kept_awake:
             self._action, self._frames = Action(Order.STOP, kept_awake), encode(Order.STOP)
 
@@ -78,7 +78,7 @@ class Repeater:
             if isinstance(action.command, Outputs):
                 self._set_outputs(action.command, action.reason)
             elif self._follows_w(action):
-                self._said(action.command)  # it has frames for it
+                self._said(action.command)  # raises if there are no frames
                 self._behind = action
             else:
                 self._take(action, None)
@@ -87,15 +87,15 @@ class Repeater:
         return None
 
     def _follows_w(self, action: Action) -> bool:
-        """Behind an operator's W that has not been said, and came with it."""
+        """Whether the action came with an operator's W that has not been sent yet."""
         held, is_w = self._action, action.command is Order.SURFACE
         if held is None or held.command is not Order.SURFACE or is_w:
             return False
         return self._is_new and held.reason == action.reason
 
     def _set_outputs(self, outputs: Outputs, reason: str) -> None:
-        """What holds is said at once with them; where nothing holds yet, neutral, by nobody.
-        Raises CannotEncode, and then what held goes on."""
+        """Send the command in force with the outputs at once; neutral, if there is none yet.
+        Raises CannotEncode; then the command in force continues."""
         held = self._action or Action(Order.STOP, f"neutral, with {reason}")
         assert not isinstance(held.command, Outputs)
         before = self._frames or self._said(held.command)
@@ -106,11 +106,11 @@ class Repeater:
             self._news = "" if self._is_new else reason
 
     def _said(self, command: Setpoint | Order) -> list[bytes]:
-        """Without what the Pi holds, until that is due."""
+        """The frames of a command without the axes that the Pi holds."""
         return self._encode(command if self._closer is None else self._closer.open(command))
 
     def cannot_relay(self, frame: bytes) -> str:
-        """Why the board has nothing for it, "" if it has."""
+        """Why the board has no frames for it, "" if it has."""
         try:
             self._encode(self._steer(self._stick or Setpoint(), frame))
         except CannotEncode as error:
@@ -152,7 +152,7 @@ class Repeater:
         return [Tx(now, self._link, data, reason) for data in self._frames], outcomes
 
     def _closed(self, action: Action, now: float) -> list[Outcome]:
-        """The frames of this instant, where the Pi holds something; refused when it gives up."""
+        """Encode the efforts of this instant if the Pi holds an axis; refused once it gives up."""
         closer = self._closer
         if closer is None or self._stick is not None or not isinstance(action.command, Setpoint):
             return []
@@ -163,7 +163,7 @@ class Repeater:
         return [Outcome(Result.REFUSED, closer.fault.encode(), action.command)]
 
     def _own_word(self, now: float) -> list[Tx]:
-        """Of an output, between what is repeated."""
+        """The next frame of an output, between the repeated frames."""
         word = self._outputs.take(now) if now >= self._free else None
         if word is None:
             return []
@@ -172,7 +172,7 @@ class Repeater:
 
     @property
     def said_all(self) -> bool:
-        """Nothing waits to be sent, nor is said again and again."""
+        """Whether nothing waits to be sent, and nothing is repeated."""
         return self.next_timer() is None
 
     def next_timer(self) -> float | None:
@@ -184,7 +184,7 @@ class Repeater:
         return first if first < math.inf else None
 
     def _take(self, action: Action, stick: Setpoint | None) -> None:
-        """Raises CannotEncode, and then what held goes on."""
+        """Put an action in force. Raises CannotEncode; then the previous one continues."""
         assert not isinstance(action.command, Outputs)
         self._frames = self._said(action.command)
         if self._closer is not None:

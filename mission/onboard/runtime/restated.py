@@ -1,9 +1,9 @@
 """Commands that set an output and are not acknowledged: each is sent three times (R18).
 
-    lamp -> word, 2 s, word, 2 s, word        a newer word for the same thing takes its place
+    lamp -> frame, 2 s, frame, 2 s, frame     a newer command for the same output replaces it
 
-Not among what a stop clears: an emergency says its safe outputs behind its own words. What does not
-live here: when the line is free for them (frontseat, repeater).
+A stop does not clear them: an emergency sends the safe outputs after its own commands. What does
+not live here: when the line is free for them (frontseat, repeater).
 """
 
 from __future__ import annotations
@@ -14,11 +14,11 @@ from dataclasses import dataclass
 from protocol.messages import Outputs
 
 TIMES, AGAIN_S = 3, 2.0
-TakeOutputs = Callable[[Outputs], Mapping[str, bytes]]  # the frames of their own, by what they set
+TakeOutputs = Callable[[Outputs], Mapping[str, bytes]]  # their own frames, by what they set
 
 
 def no_outputs(wanted: Outputs) -> Mapping[str, bytes]:
-    """Of a vehicle whose file names none."""
+    """For a vehicle whose file names no outputs."""
     return {}
 
 
@@ -33,16 +33,16 @@ class _Word:
 
 class Restated:
     def __init__(self) -> None:
-        self.words: dict[str, _Word] = {}  # by what they set; to be looked at
+        self.words: dict[str, _Word] = {}  # by what they set; for reading alone
 
     def add(self, frames: Mapping[str, bytes], reason: str) -> None:
-        """At once; ``frames`` by what they set."""
+        """Queue frames, due at once; ``frames`` by what they set."""
         for sets, data in frames.items():
             self.words.pop(sets, None)  # behind the others
             self.words[sets] = _Word(data, reason, 0.0)
 
     def give_way(self, channels: Set[str]) -> None:
-        """To a newer word for these: what has been said is said no more, the others once."""
+        """Yield to a newer command for these: frames already sent are dropped, others sent once."""
         for sets in channels & self.words.keys():
             if self.words[sets].said:
                 del self.words[sets]
@@ -50,7 +50,7 @@ class Restated:
                 self.words[sets].times = 1
 
     def take(self, now: float) -> tuple[bytes, str] | None:
-        """The next that is due, with its reason."""
+        """The next frame that is due, with its reason; None if none is."""
         sets = next((s for s, word in self.words.items() if word.due <= now), None)
         if sets is None:
             return None

@@ -1,18 +1,18 @@
-"""The runtime: clock-less and without IO, the one core of the sea and of the simulation.
+"""The runtime: the core of the program at sea and in simulation, without clock or IO.
 
     Rx vehicle --vehicle codec--> Telemetry, Ack --+                +--> Action --> Frontseat --> Tx
     Rx gps, gps2, sensors ------> Fix, Aid --------+--> Engine.step +--> Step, Estimate --> record
     Rx topside, modem --Topside-> commands --------+                +--> Verdict --> Topside --> Tx
     Rx nodes ---Topside
 
-Two pumps turn it: the lock-step loop of the simulation (flight) and asyncio (serve). A pump gives
-it every byte, connection and timer with its time, and sends what it returns. Everything that went
-in and came out is recorded first (records); nothing else has an effect on what it does. What must
-be durable is durable before the Tx that says so is returned; the resume marker of an emergency
-alone is written by a timer, behind what is due on the line: no disk stands before a STOP.
+Two event loops drive it: the lock-step loop of the simulation (flight) and asyncio (serve). A loop
+passes in every byte, connection and timer with its time, and sends what is returned. All inputs and
+outputs are recorded first (records); nothing else affects the runtime. Data that must be durable is
+so before the Tx that reports it is returned, but for resume markers: a timer writes those of legs,
+emergencies, stick and stops after what is due on the line, so that no disk delays a STOP.
 
 What does not live here: rules of the states (engine), of the line (frontseat), of the operator
-(topside), files and sockets (store, links).
+(operator_server), files and sockets (store, links).
 """
 
 from __future__ import annotations
@@ -75,8 +75,8 @@ if TYPE_CHECKING:
     from mission.navigation import Navigation
 
 VEHICLE, SENSORS = "vehicle", "sensors"
-MOST_ROUNDS = 10  # of outcomes that lead to commands that lead to outcomes, at one time
-CLOCK = "clock"  # a Tx to it asks the pump to set the system's clock (R10)
+MOST_ROUNDS = 10  # at one time: outcomes lead to commands, and these to outcomes
+CLOCK = "clock"  # a Tx to it asks the event loop to set the system's clock (R10)
 
 
 class Runtime:
@@ -120,15 +120,15 @@ class Runtime:
         self.situation = Situation(self._engine, vehicle, bool(links.gps or links.gps2))
         self._marker = ResumeMarker(self._store)
         self._standing = None if recorder is None else StandingChanges(recorder)
-        self._out, self._refused = list[Tx](), list[Outcome]()  # refused: it has no word for it
+        self._out, self._refused = list[Tx](), list[Outcome]()  # refused: it cannot be encoded
         self._begin()
         if navigation is not None:
             self.set_navigation(navigation, 0.0)
 
-    # --- what a pump does --------------------------------------------------------------------
+    # --- calls of the event loop -------------------------------------------------------------
 
     def receive(self, rx: Rx, now: float | None = None) -> list[Tx]:
-        """``now`` is when the last of the bytes came; ``rx.t`` the first."""
+        """Take in bytes. ``now``: when the last of them came; ``rx.t``: the first."""
         self._now = now = max(self._now, rx.t if now is None else now)
         self._record(rec.rx_record, rx, now)
         if rx.link == VEHICLE:
@@ -144,7 +144,7 @@ class Runtime:
         return self._leave(now)
 
     def connected(self, link: str, address: str, now: float) -> list[Tx]:
-        """An operator, or the vehicle's port that was away."""
+        """An operator has connected, or the vehicle's port is open again."""
         self._now = now = max(self._now, now)
         self._record(rec.input_record, now, rec.CONNECTED, link, address)
         if link == VEHICLE:
@@ -173,14 +173,14 @@ class Runtime:
         return self._leave(now)
 
     def end(self, now: float, *, at_once: bool = False) -> list[Tx]:
-        """The program is to end: when the engine is settled, or ``at_once`` with its last words."""
+        """The program has to end: once the engine is settled, or ``at_once`` with last commands."""
         self._now = now = max(self._now, now)
         self._record(rec.input_record, now, rec.ENDING, *([rec.AT_ONCE] if at_once else []))
         self._step(now, (Ending(at_once),))
         return self._leave(now)
 
     def take_alarms(self, names: Sequence[str], now: float) -> list[Tx]:
-        """Those that serve alone sees, for @AE."""
+        """Take in the alarms that serve alone sees, for @AE."""
         self._now = now = max(self._now, now)
         self._record(rec.input_record, now, rec.ALARMS, ",".join(names))
         self.situation.of_serve = tuple(names)
@@ -188,7 +188,7 @@ class Runtime:
 
     @property
     def said_all(self) -> bool:
-        """Nothing waits to be sent to the vehicle, or for its answer."""
+        """Whether nothing waits to be sent to the vehicle, or for its acknowledgement."""
         return self._frontseat.said_all
 
     def next_timer(self) -> float | None:
@@ -205,13 +205,13 @@ class Runtime:
         return first
 
     def foresee(self, rx: Rx) -> tuple[str, ...]:
-        """The lines that these bytes would complete to a mission, () if to none: to be given to
-        ``judge`` before ``receive``, where that may take its time. Changes nothing."""
+        """Return the lines of the mission that these bytes would complete, () if none. The event
+        loop may give them to ``judge`` in a thread, before ``receive``. Changes nothing."""
         return self._topside.foresee(Peer(rx.link, rx.address), rx.data, rx.t)
 
     def make_navigation(self) -> Navigation:
-        """About a second of imports: for a thread of the pump, whose result goes to
-        ``set_navigation``. Made from what is on record alone."""
+        """Make the filter from recorded values alone. The imports take about a second, so call this
+        in a thread, and pass the result to ``set_navigation``."""
         from mission.navigation import Navigation
 
         return Navigation(self._vehicle, date=self._clock.utc_date(0.0))
@@ -225,7 +225,7 @@ class Runtime:
     # --- in -----------------------------------------------------------------------------------
 
     def _begin(self) -> None:
-        """What the store knows. A restart under way waits for no judge of the stored mission."""
+        """Start from the store. If something was under way, judge the stored mission later."""
         kept = self._store.content
         self.unjudged = kept.lines
         if not kept.under_way:
@@ -270,7 +270,7 @@ class Runtime:
                 self._step(now, (message,))
 
     def _step(self, now: float, inputs: Sequence[Input]) -> tuple[Verdict, ...]:
-        self._engine.hear_topside(self._topside.commander.heard_at)  # by whatever input it was
+        self._engine.hear_topside(self._topside.commander.heard_at)  # whatever the input was
         outputs = self._engine.step(now, inputs)
         for step in outputs.steps:
             self._record(rec.step_record, step)
@@ -323,7 +323,7 @@ class Runtime:
 
     @property
     def engine(self) -> Engine:
-        return self._engine  # to be looked at
+        return self._engine  # for reading alone
 
     @property
     def commander(self) -> Commander:
@@ -342,9 +342,9 @@ class Runtime:
         if chart is not None and (why := self._marker.foresee(chart.initial)):
             return Verdict(False, why)
         if isinstance(command, ClearMission):
-            self._step(now, ())  # whether it may be cleared is asked of this instant
+            self._step(now, ())  # so that may_clear is of this instant
         clears = isinstance(command, ClearMission) and self._engine.may_clear
-        if clears:  # durable before it is done, or nothing is
+        if clears:  # durable first: if that fails, nothing is cleared
             try:
                 self._store.keep_lines(())
             except StoreError as error:
@@ -376,7 +376,7 @@ class Runtime:
         return Status(self._clock.local(newest), known.shown, known.telemetry)
 
     def condition(self, now: float) -> Condition:
-        """What the runtime knows that alarms go by."""
+        """What the runtime knows for the alarms."""
         return self.situation.condition(*self._topside.refusals.last, now, self._gps.trouble)
 
     def state_report(self, asker: Peer, now: float) -> StateReport:

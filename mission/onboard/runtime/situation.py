@@ -1,11 +1,11 @@
-"""How the vehicle is, as the runtime knows it at one instant: for @VS, @AE, alarms and health.
+"""The vehicle's situation as the runtime knows it at one instant: for @VS, @AE, alarms and health.
 
     Telemetry, Fix, commands that left --> Situation --> Status (@VS) | StateReport (@AE)
                                                      --> Condition (alarms)
 
-Everything told follows from recorded inputs: of what serve alone knows (links, disk, clock) it has
-the alarms' names as an input of their own. What does not live here: frames (protocol), the rest of
-serve's health (serve.health).
+All of it follows from recorded inputs. Of what only serve knows (links, disk, clock), the names of
+the alarms are an input. What does not live here: frames (protocol), the rest of serve's health
+(serve.health).
 """
 
 from __future__ import annotations
@@ -27,34 +27,34 @@ from protocol.state_frame import STICK, setpoint_text
 
 AT_SURFACE_M = 0.5
 FRESH_FIX_S = 5.0
-TELEMETRY = "telemetry"  # a limit that an alarm of its own tells of, everywhere
+TELEMETRY = "telemetry"  # a limit that has an alarm of its own
 TREND_EVERY_S, TREND_LEAST, TREND_MOST = 10.0, 30, 60  # samples: of 5 to 10 minutes
 
 
 class Situation:
-    """``gps``: there is a receiver."""
+    """``gps``: whether there is a receiver."""
 
     def __init__(self, engine: Engine, vehicle: Vehicle, gps: bool) -> None:
         self._engine, self._vehicle, self._gps = engine, vehicle, gps
         self.telemetry: Telemetry | None = None
         self.fix: Fix | None = None  # of a receiver
-        self._own: Fix | None = None  # without a receiver: its own, when last at the surface
+        self._own: Fix | None = None  # without a receiver: its own position, last at the surface
         self._said: Setpoint | Order | None = None
-        self._deep_at = 0.0  # when it was not at the surface, or nobody knew
+        self._deep_at = 0.0  # when it was last not at the surface, or the depth unknown
         self._volts: deque[tuple[float, float]] = deque(maxlen=TREND_MOST)
         self._owes_report = False
         self._has_news = False  # a report, a fix or a step since the last look at the surface
-        self.of_serve: tuple[str, ...] = ()  # alarms that serve has told
+        self.of_serve: tuple[str, ...] = ()  # alarms that serve has reported
         self._ahead: tuple[Estimate | None, float, Estimate | None] = None, 0.0, None
 
     def note(self, step: Step) -> None:
-        """Who was under way owes the boat one @VS at the surface (R11)."""
+        """Note a step. A vehicle that was under way owes the boat one @VS at the surface (R11)."""
         self._has_news = True
         if any(path.startswith((AUTONOMOUS, EMERGENCY)) for path in step.entered):
             self._owes_report = True
 
     def owes_report(self, now: float) -> bool:
-        """That one is due, and no more then. Looked at again when there is news."""
+        """Whether that @VS is due: true once. Checked only after a new report, fix or step."""
         if not (self._owes_report and self._has_news):
             return False
         self._has_news = False
@@ -76,7 +76,8 @@ class Situation:
             self._volts.append((report.t, volts))
 
     def locate(self) -> None:
-        """Without a receiver, from the last report, once the engine has judged its depth."""
+        """Without a receiver: take the position of the last report, whose depth the engine has
+        judged."""
         report, depth = self.telemetry, self._engine.core.vehicle_state.depth
         if self._gps or report is None or report.position is None:
             return
@@ -89,11 +90,11 @@ class Situation:
 
     @property
     def setpoint(self) -> str:
-        """In force, as the vehicle was told it last."""
+        """The setpoint in force, as it was last sent to the vehicle."""
         return STICK if self._engine.state == MANUAL_DRIVING else setpoint_text(self._said)
 
     def _afloat(self, now: float) -> bool:
-        """As the engine knows it: by a depth, or by fixes that none contradicts."""
+        """Whether it is at the surface: by the depth, or by fixes that no depth contradicts."""
         known = self._engine.core.vehicle_state
         depth = known.depth if self.telemetry is not None else None
         if depth is None:
@@ -103,7 +104,7 @@ class Situation:
     def condition(
         self, refusal: str, refused_at: float, now: float, receivers: str = ""
     ) -> Condition:
-        """``receivers``: what is wrong with them."""
+        """What the alarms go by. ``receivers``: what is wrong with the GPS receivers."""
         engine = self._engine
         watch, within = engine.core.watch, self._vehicle.stale_after
         breached = {row.name: row.why(watch) for row in engine.breaches if row.name != TELEMETRY}
@@ -155,49 +156,49 @@ class Situation:
 
     @property
     def shown(self) -> Fix | None:
-        """What ``@VS`` tells of the place: where it is, or where it dived (R9). With a receiver,
-        by that alone: what the vehicle says of its place is no fix (R11)."""
+        """The fix that ``@VS`` reports: where the vehicle is, or where it dived (R9). With a
+        receiver only its fixes count: the vehicle's own position is no fix (R11)."""
         return self.fix or self._own
 
     def report_age(self, now: float) -> float:
-        """inf: none ever came."""
+        """Age of the last report, s; inf if none ever came."""
         return now - self.telemetry.t if self.telemetry else math.inf
 
     def fix_age(self, now: float) -> float | None:
-        """Of the fix that is shown; without a receiver, of what the vehicle knows of its place."""
+        """Age of the fix that is shown, s; without a receiver, of the vehicle's own position."""
         if (shown := self.shown) is not None:
             return now - shown.t
         estimate = self._engine.estimate
         return None if self._gps or estimate is None else estimate.fix_age
 
     def estimate(self, now: float) -> Estimate | None:
-        """Of ``now``: the engine's own is of its last step, and none comes while the board is
-        silent and no timer is due. It changes nothing of the filter."""
+        """The estimate at ``now``. The engine's own is of its last step, and no step comes while
+        the board is silent and no timer is due. The filter does not change."""
         told, navigation = self._engine.estimate, self._engine.core.vehicle_state.navigation
         if told is None or navigation is None or now <= told.t:
             return told
         before, at, ahead = self._ahead
-        if before is not told or at != now:  # asked for by several rows of one frame
+        if before is not told or at != now:  # several fields of one frame ask for it
             ahead = navigation.estimate(now)
             self._ahead = told, now, ahead
         return ahead
 
     def uncertainty(self, now: float) -> float | None:
-        """m, the radius that holds the position to 95 %; None where there is none."""
+        """Radius that contains the position with 95 % probability, m; None if unknown."""
         estimate = self.estimate(now)
         if estimate is None or not self._engine.readings["uncertainty"].valid:
             return None
         return _finite(around_95(estimate.covariance))
 
     def range(self, now: float) -> float | None:
-        """m, from home; None where that is not known."""
+        """Distance from home, m; None if unknown."""
         estimate = self.estimate(now)
         if estimate is None or not self._engine.readings["range"].valid:
             return None
         return math.hypot(estimate.north, estimate.east)
 
     def _drift(self, now: float) -> tuple[float | None, float | None]:
-        """m, from the last fix to where it is estimated to be."""
+        """North and east from the last fix to the estimated position, m."""
         estimate, navigation = self.estimate(now), self._engine.core.vehicle_state.navigation
         frame = navigation.frame if navigation is not None else None
         shown = self.shown
@@ -207,7 +208,7 @@ class Situation:
         return estimate.north - north, estimate.east - east
 
     def margins(self, now: float) -> dict[str, float | None]:
-        """Left to the limits in force: m, m, min, V; None where what it is told of is too old."""
+        """What is left to the limits in force: m, m, min, V; None if the reading is too old."""
         bounds, elapsed = self._engine.bounds, self._engine.mission_time
         depth, volts, far = self._read("depth", now), self._read("battery", now), self.range(now)
         return {
@@ -218,7 +219,7 @@ class Situation:
         }
 
     def _read(self, name: str, now: float) -> float | None:
-        """A reading is of the engine's last step, and grows old though none comes."""
+        """A reading's value; None if too old. It ages from the engine's last step on."""
         reading = self._engine.readings[name]
         age = reading.age + max(0.0, now - self._engine.core.now)
         return reading.value if reading.valid and age <= self._vehicle.stale_after else None
@@ -229,7 +230,7 @@ class Situation:
         return now - max(self._deep_at, self.fix.t if self.fix else 0.0)
 
     def _runs_out(self) -> float | None:
-        """s until the limit of the voltage, along the line of least squares."""
+        """Seconds until the voltage limit, by a least-squares line; None if unknown or rising."""
         if len(self._volts) < TREND_LEAST:
             return None
         t0, v0 = (sum(values) / len(self._volts) for values in zip(*self._volts, strict=True))

@@ -1,14 +1,13 @@
-"""The lines of a mission on their way in (R3): a set beside the stored one, until it is whole.
+"""The lines of a mission during its upload (R3): a set beside the stored one, until it is whole.
 
-    line 1      begins a set and drops the one before, as another total does; one that repeats the
-                line 1 of that set drops nothing if it has a sum, which no other mission has
+    line 1      begins a set and drops the previous one, as another total does; a repeated line 1
+                drops nothing if it has a sum, because no other mission has that sum
     line 2..n   in any order, any number of times; a line already held has no effect
-    whole       every offer answers ``Whole`` until the set is stored (``clear``) or dropped:
-                a set that was refused can be mended by sending one line again
+    whole       each offer returns ``Whole`` until the set is stored (``clear``) or dropped:
+                sending one line again can repair a set that was refused
     10 minutes  without a line drop the set
 
-What does not live here: whether the mission is any good (language, compiler, check), the store,
-the frames.
+What does not live here: judging the mission (language, compiler, check), the store, the frames.
 """
 
 from __future__ import annotations
@@ -21,7 +20,7 @@ from protocol.messages import MissionLine
 GREATEST_TOTAL = 9999  # E-F3: a line cut inside its counters always claims more
 FORGOTTEN_AFTER_S = 600.0
 _SUM = " sum "
-MISSING_CHARACTERS = 120  # of an @AR; a sender that gets them all asks again
+MISSING_CHARACTERS = 120  # in an @AR; the sender sends these lines, then asks again
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,15 +67,15 @@ class Staging:
         return Whole(tuple(self._lines[i] for i in range(1, self._total + 1)))
 
     def _goes_on(self, first: str) -> bool:
-        """Whether this line 1 is of the same mission. Without a sum an edited script may begin like
-        the one before, and what is left of that would be mixed with it."""
+        """Whether this line 1 is of the same mission. Without a sum, an edited script may begin
+        like the previous one, and lines of both would be mixed."""
         return _SUM in first and first == self._lines.get(1)
 
     def holds(self, line: MissionLine) -> bool:
         return line.total == self._total and self._lines.get(line.current) == line.payload
 
     def copy(self) -> Staging:
-        """For a look at what would be."""
+        """Return a copy, to try further lines on."""
         other = Staging()
         other._lines, other._total, other._last = dict(self._lines), self._total, self._last
         return other
@@ -89,8 +88,8 @@ class Staging:
         self._lines, self._total = {}, 0
 
     def incomplete(self, stored: tuple[str, ...], now: float) -> bool:
-        """Lines are missing; not so where all that came only repeats the stored mission (a late
-        duplicate of an upload that is done), as its sum in line 1 says."""
+        """Whether lines are missing. False if all lines so far repeat the stored mission (a late
+        duplicate of a finished upload), as the sum in its line 1 shows."""
         self.forget(now)
         repeats = self._goes_on("".join(stored[:1])) and all(
             len(stored) == self._total and stored[i - 1] == payload
@@ -125,7 +124,7 @@ def _repeated(line: MissionLine, stored: tuple[str, ...]) -> Held | OutOfPlace:
 
 
 def _ranges(numbers: Iterable[int]) -> list[tuple[int, int]]:
-    """Rising numbers as (first, last) of each run without a gap."""
+    """Return rising numbers as (first, last) of each run without a gap."""
     runs: list[tuple[int, int]] = []
     for number in numbers:
         if runs and runs[-1][1] == number - 1:

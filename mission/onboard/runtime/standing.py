@@ -1,6 +1,6 @@
-"""Values that hold until further notice; on record each time one of them changes.
+"""Values that stay in force until one of them changes: each change is recorded.
 
-What does not live here: what it is (records), who decides it (engine, commander).
+What does not live here: which values these are (records), who decides them (engine, commander).
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from mission.onboard.runtime.records import Recorder, Standing, standing_record
 
 
 class StandingChanges:
-    """Tells what has changed. Cheap, for it is asked after every input of the runtime."""
+    """Records the changes. It is cheap, because it runs after every input of the runtime."""
 
     def __init__(self, recorder: Recorder) -> None:
         self._recorder = recorder

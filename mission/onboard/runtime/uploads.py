@@ -1,7 +1,7 @@
-"""What operators upload and ask of the store (R3, R4): lines in, a mission stored, reports of both.
+"""Uploads, and reports of the store (R3, R4): lines come in, a whole mission is stored.
 
-What does not live here: which lines make a set (staging), who may send them (topside), the files
-(store).
+What does not live here: which lines make a set (staging), who may send them (operator_server), the
+files (store).
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ class Uploads:
 
     @property
     def total(self) -> int:
-        """Lines of the set that is on its way, 0 if none is."""
+        """Number of lines of the set being uploaded, 0 if none is."""
         return self._staging.total
 
     @property
@@ -38,11 +38,11 @@ class Uploads:
         """A quick test: whether these bytes might complete a set of lines."""
         staged = self._staging
         may_begin = b"AW" in data or staged.total > 0
-        enough = staged.have + data.count(b"@") + 1 >= staged.total  # one may have begun before
+        enough = staged.have + data.count(b"@") + 1 >= staged.total  # a line may have begun before
         return b"$" in data and may_begin and enough and self.is_idle
 
     def foresee(self, heard: Iterable[object], now: float) -> tuple[str, ...]:
-        """The set of lines that what was heard would make whole, () if none. Changes nothing."""
+        """The set of lines that these commands would complete, () if none. Changes nothing."""
         staging = self._staging.copy()
         for item in heard:
             if isinstance(item, MissionLine):
@@ -52,7 +52,7 @@ class Uploads:
         return ()
 
     def take(self, line: MissionLine, now: float) -> tuple[Verdict, bool]:
-        """And whether a set was made whole, and is stored."""
+        """Take a line. Return the verdict, and whether a whole set was stored."""
         if not self.is_idle:
             return Verdict(False, _not_idle(self._target.state)), False
         held = self._staging.offer(line, self._store.content.lines, now)
@@ -68,7 +68,7 @@ class Uploads:
         return Verdict(True), True
 
     def holds(self, line: MissionLine) -> bool:
-        """It is a line of what is staged, or stored."""
+        """Whether it is a line of the staged or the stored mission."""
         stored = self._store.content.lines
         is_stored = len(stored) == line.total and stored[line.current - 1] == line.payload
         return is_stored or self._staging.holds(line)
@@ -93,7 +93,7 @@ class Uploads:
 
 
 def _not_idle(state: str) -> str:
-    """Why no line is taken, and what leads to idle."""
+    """Why no line is accepted, and what leads to idle."""
     first = "" if state.startswith(EMERGENCY) else "stop the vehicle (X) and "
     then = f"{first}clear it at the surface; then upload"
     return f"a mission can be uploaded in idle only and this is {state}: {then}"

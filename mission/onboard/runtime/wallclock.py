@@ -1,6 +1,6 @@
-"""Wall time from the engine's time: only for people's eyes, never for a decision (R10).
+"""Wall time from the engine's time: only for people to read, never for a decision (R10).
 
-What does not live here: the system's clock; whoever starts a runtime says what it shows.
+What does not live here: the system's clock; the caller of a runtime gives its time.
 """
 
 from __future__ import annotations
@@ -26,6 +26,6 @@ class WallClock:
         return (_EPOCH + timedelta(seconds=self._wall + t)).strftime("%Y-%m-%d")
 
     def set(self, local: str, now: float) -> None:
-        """From now on ``now`` is that local time. Raises ValueError if it is no time."""
+        """Set the clock: ``now`` is that local time. Raises ValueError if it is no time."""
         told = datetime.fromisoformat(local).replace(tzinfo=UTC) - _EPOCH
         self._wall = told.total_seconds() - self._utc_offset - now

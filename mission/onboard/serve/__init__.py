@@ -1,1 +1,1 @@
-"""The program on the Pi: asyncio around the runtime, and what keeps it alive and closed."""
+"""The program on the Pi: asyncio around the runtime, with its ports, files and watchdog."""

@@ -1,7 +1,7 @@
-"""Alarms of a running serve: told in the journal when they begin and end, and to the runtime.
+"""Alarms of a running serve: logged when they begin and end, and passed to the runtime.
 
     Condition of the runtime --+
-    Condition of serve --------+--> those that stand --> journal, health
+    Condition of serve --------+--> alarms in force ---> journal, health
                  its names -------------------------------> runtime (for @AE)
 
 What does not live here: what an alarm is (model.alarms).
@@ -22,12 +22,13 @@ from mission.onboard.serve.ports import Port
 from mission.onboard.serve.recording import Recording
 from protocol.messages import Fix
 
-FRESH_S = 5.0  # of a fix that a clock is compared with
+FRESH_S = 5.0  # s: age of a fix that the clock is compared with
 
 
 class AlarmWatch:
-    """``tell_runtime`` gets the names of those that serve alone sees, when they change. ``broken``:
-    of what it was made from, in words; ``in_real_time``: the engine's time passes as the wall's."""
+    """``tell_runtime`` gets the names of the alarms that serve alone sees, when they change.
+    ``broken``: faults of configuration, vehicle file and store, as text. ``in_real_time``: the
+    engine's time is as fast as the wall's."""
 
     def __init__(
         self,
@@ -43,22 +44,22 @@ class AlarmWatch:
         self._standing: Mapping[str, Alarm] = {}
 
     def unsent(self) -> None:
-        """A command could not leave."""
+        """Note that a command could not be sent."""
         self._unsent = time.monotonic()
 
     @property
     def standing(self) -> tuple[Alarm, ...]:
-        """As of the last look."""
+        """The alarms in force at the last look."""
         return tuple(self._standing.values())
 
     def begin(self) -> None:
-        """Another runtime, which has been told nothing so far."""
+        """Another runtime has started, which knows of no alarm yet."""
         self._of_serve = ()
 
     def look(
         self, runtime: Runtime, ports: Mapping[str, Port], recording: Recording, now: float
     ) -> tuple[Alarm, ...]:
-        """Those that stand at the engine's time ``now``."""
+        """Return the alarms in force at the engine's time ``now``; pass changes on."""
         of_runtime = standing(runtime.condition(now))
         own = standing(
             Condition(
@@ -81,7 +82,7 @@ class AlarmWatch:
         return clock_off(fix, now, time.time()) if self._in_real_time else None
 
     def _follow(self, found: Mapping[str, Alarm]) -> None:
-        """In the journal what has begun and what is over."""
+        """Log the alarms that have begun, and those that are over."""
         for name in found.keys() - self._standing.keys():
             self._journal.warning(f"ALARM {found[name]}", f"ALARM {name}")
         for name in self._standing.keys() - found.keys():
@@ -94,15 +95,15 @@ def away(ports: Mapping[str, Port]) -> tuple[str, ...]:
 
 
 def recording_fault(box: BlackBox | None) -> str:
-    """ "" where all is recorded."""
+    """Why not everything is recorded, "" if it is."""
     if box is None:
         return "nothing is recorded"
     return box.failure or (f"{box.lost} records are lost" if box.lost else "")
 
 
 def clock_off(fix: Fix | None, now: float, wall: float) -> float | None:
-    """s that ``wall`` (since 1970 UTC) is ahead of a fresh fix's own time; both at the engine's
-    time ``now``."""
+    """Seconds that ``wall`` (since 1970 UTC) is ahead of a fresh fix's own time, both at the
+    engine's time ``now``; None without a fresh fix."""
     if fix is None or fix.utc is None or now - fix.t > FRESH_S:
         return None
     told = calendar.timegm(time.strptime(fix.utc, "%Y-%m-%dT%H:%M:%S"))

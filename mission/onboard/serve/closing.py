@@ -1,8 +1,8 @@
-"""The closed parts of black boxes into their last form, beside a serve that has other things to do.
+"""Convert closed parts of black boxes to their final form, in the background of a running serve.
 
-A process of its own: what it computes takes nothing from the loop, and whenever it is killed each
-part is there, in one form or the other. It is told which parts those are: what begins while it does
-is another's. What does not live here: what it does (blackbox.closed).
+A separate process does this: it takes no time from the event loop, and if it is killed, each part
+is there, in one form or the other. It gets the list of parts: a part that begins meanwhile is left
+to the next process. What does not live here: the conversion (blackbox.closed).
 """
 
 from __future__ import annotations
@@ -16,8 +16,9 @@ _RUNNING: list[subprocess.Popen[bytes]] = []
 
 
 def close_in_background(folder: Path, but: Path | None) -> None:
-    """Never raises; without a process to be had the parts stay as they are, which can be read. None
-    is begun where nothing but the part that is being written is there."""
+    """Convert all parts in the folder except ``but``, which is being written. Without such parts no
+    process is started. Never raises: if none can be started, the parts stay readable as they are.
+    """
     _RUNNING[:] = [process for process in _RUNNING if process.poll() is None]
     with contextlib.suppress(OSError):
         if parts := [part for part in sorted(folder.glob("*.mcap")) if part != but]:

@@ -1,4 +1,4 @@
-"""A server in the foreground of this process, until a signal ends it.
+"""Run a server in the foreground of this process until a signal ends it.
 
 What does not live here: what a signal means (serve, leaving).
 """
@@ -11,13 +11,13 @@ import sys
 
 from mission.onboard.serve.serve import Server
 
-# s: the disk's and the judge's threads give way to the loop so soon, and not after Python's 5 ms.
-# Beside a busy thread half of all timers are two to five times as late without (bench_tricks.py).
+# s until the threads of disk and check yield to the event loop, instead of Python's 5 ms. Without
+# it half of all timers are two to five times as late beside a busy thread (bench_tricks.py).
 SWITCH_S = 0.0005
 
 
 def run(server: Server) -> None:
-    """In the foreground, until SIGINT or SIGTERM."""
+    """Run the server until SIGINT or SIGTERM."""
 
     async def main() -> None:
         loop = asyncio.get_running_loop()

@@ -1,10 +1,10 @@
-"""How a running serve is: state, sensors, margins to the limits, links; in a file, for anybody.
+"""The health of a running serve, in a file: state, sensors, margins to the limits, links.
 
-    <folder>/status.json    written whole once a second (beside, then renamed), not synced: it
-                            tells of now, and after a power cut nobody asks for it
+    <folder>/status.json    written whole once a second (temporary file, renamed), not synced: after
+                            a power cut nobody needs it
 
-The frames of the documents carry only the sensors (@VS) and the store (@AR); the rest is read on
-the Pi, by `auvmission status --local` and `doctor`. What does not live here: the black box.
+The frames of the documents carry only the sensors (@VS) and the store (@AR). On the Pi,
+`auvmission status --local` and `doctor` read the rest. What does not live here: the black box.
 """
 
 from __future__ import annotations
@@ -32,18 +32,18 @@ from protocol.state_frame import setpoint_words
 
 FILE = "status.json"
 EVERY_S = 1.0
-STALE_S = 10.0  # older: serve is not running, or hangs
+STALE_S = 10.0  # s; older: serve is not running, or hangs
 _SHOWN = (
     "depth", "altitude", "heading", "pitch", "roll", "speed", "range", "uncertainty", "fix_age",
     "battery", "temperature", "leak",
 )  # fmt: skip
-_OF_POSITION = ("range", "uncertainty", "fix_age")  # without one they are never known
+_OF_POSITION = ("range", "uncertainty", "fix_age")  # never known without a position
 
 
 @dataclass(frozen=True, slots=True)
 class Sensor:
-    """``why``: stale, missing, frozen, absurd, or absent where the vehicle file has no such sensor;
-    "" where the value is to be believed."""
+    """``why``: stale, missing, frozen, absurd, or absent if the vehicle file has no such sensor; ""
+    if the value is valid."""
 
     value: float | None
     unit: str
@@ -53,7 +53,7 @@ class Sensor:
 
 @dataclass(frozen=True, slots=True)
 class Margin:
-    """To a limit in force; None where what it limits is not known now."""
+    """The margin to a limit in force; None if the limited value is not known now."""
 
     bound: float
     now: float | None
@@ -63,7 +63,7 @@ class Margin:
 
 @dataclass(frozen=True, slots=True)
 class LinkHealth:
-    """``silent_s``: since the last byte came, None: none ever did."""
+    """``silent_s``: s since the last byte came; None: none ever did."""
 
     url: str
     open: bool
@@ -88,8 +88,8 @@ class Health:
     mission_time_s: float | None
     commander: str
     breached: tuple[str, ...]
-    broken: tuple[str, ...]  # of configuration, vehicle file and store, in words
-    ascent_only: str  # why nothing but an ascent is served, "" if more is
+    broken: tuple[str, ...]  # faults of configuration, vehicle file and store, as text
+    ascent_only: str  # why serve only surfaces the vehicle, "" if it does more
     disarmed: Mapping[str, str]  # limit: why it can never act
     margins: Mapping[str, Margin]
     sensors: Mapping[str, Sensor]
@@ -102,14 +102,14 @@ class Health:
 
 
 def of_drive(runtime: Runtime, vehicle: Vehicle, now: float) -> dict[str, Any]:
-    """The fields of Health that the runtime knows, ``now`` (s): readings are of the engine's last
-    step, and grow old though none comes."""
+    """The fields of Health that the runtime knows, at ``now`` (s). Readings are of the engine's
+    last step, and age although no step comes."""
     engine = runtime.engine
     readings, bounds = engine.readings, engine.bounds
     late = max(0.0, now - engine.core.now)
     sensors = {name: _sensor(name, readings[name], late, vehicle) for name in _SHOWN}
     far, sure = runtime.situation.range(now), runtime.situation.uncertainty(now)
-    for name, value in (("range", far), ("uncertainty", sure)):  # of now, though no step came
+    for name, value in (("range", far), ("uncertainty", sure)):  # as of now, even without a step
         sensors[name] = replace(sensors[name], value=value)
     left, elapsed = runtime.situation.margins(now), engine.mission_time
     return {
@@ -175,7 +175,7 @@ def _sensor(name: str, reading: Reading, late: float, vehicle: Vehicle) -> Senso
         value = math.degrees(value)
     absent = reading.reason == "missing" and not _needs(name) <= vehicle.reports
     why = "absent" if absent else reading.reason
-    if row.max_age == math.inf:  # estimated on
+    if row.max_age == math.inf:  # estimated, so it does not age
         return Sensor(value, row.unit, None, why)
     age = reading.age + late
     why = why or ("stale" if age > vehicle.stale_after else "")
@@ -183,7 +183,7 @@ def _sensor(name: str, reading: Reading, late: float, vehicle: Vehicle) -> Senso
 
 
 def _needs(name: str) -> set[str]:
-    """What the vehicle has to report for it to be ever known."""
+    """What the vehicle has to report for this value to be ever known."""
     return {"position"} if name in _OF_POSITION else {*VARIABLES[name].source} - {CLOCK}
 
 
@@ -192,7 +192,8 @@ def _finite(value: float) -> float | None:
 
 
 def write(folder: Path, health: Health) -> None:
-    """A disk that fails changes nothing: the file is then old, and says when it was written."""
+    """Write the file. A failing disk is ignored: the file is then old, and says when it was
+    written."""
     beside = folder / f"{FILE}.new"
     with contextlib.suppress(OSError):
         beside.write_text(json.dumps(to_plain(health)) + "\n", encoding="utf-8")
@@ -200,7 +201,7 @@ def write(folder: Path, health: Health) -> None:
 
 
 def read(folder: Path, wall: float) -> Mapping[str, Any] | None:
-    """What a serve that runs now has written; None where none runs, or does not tell."""
+    """The health that a running serve has written; None if none runs, or none writes it."""
     found = _written(folder)
     if found is None or abs(wall - found["wall"]) > STALE_S:
         return None
@@ -209,7 +210,7 @@ def read(folder: Path, wall: float) -> Mapping[str, Any] | None:
 
 def mute(folder: Path, wall: float) -> int | None:
     """The process of a serve that runs but has not written its health for long, or never: its disk
-    takes nothing, or it hangs."""
+    cannot be written, or it hangs. None if there is none."""
     found = _written(folder)
     if found is not None and abs(wall - found["wall"]) <= STALE_S:
         return None
@@ -218,8 +219,8 @@ def mute(folder: Path, wall: float) -> int | None:
 
 
 def _locks(folder: Path) -> int | None:
-    """The process of the serve that has the folder's lock, as the kernel tells: a disk that is
-    read-only never had a word of it (Linux, proc_locks(5))."""
+    """The process of the serve that has the folder's lock, from the kernel (Linux, proc_locks(5)):
+    on a read-only disk serve has written nothing."""
     try:
         seen, told = folder.stat(), Path("/proc/locks").read_text(encoding="ascii")
     except (OSError, ValueError):
@@ -237,7 +238,7 @@ def process(folder: Path) -> int | None:
 
 
 def _written(folder: Path) -> dict[str, Any] | None:
-    """By a process that lives."""
+    """The file's content, if a process that lives wrote it."""
     try:
         found = json.loads((folder / FILE).read_text(encoding="utf-8"))
         found["wall"] = float(found["wall"])
@@ -250,7 +251,7 @@ def _written(folder: Path) -> dict[str, Any] | None:
 
 
 def _serves(pid: int) -> bool:
-    """Whether that process is a serve: after a restart of the Pi the number may be another
+    """Whether that process is a serve: after a reboot of the Pi the number may be another
     program's."""
     try:
         return b"serve" in Path(f"/proc/{pid}/cmdline").read_bytes().split(b"\0")
@@ -259,7 +260,7 @@ def _serves(pid: int) -> bool:
 
 
 def as_lines(found: Mapping[str, Any], wall: float) -> Iterator[str]:
-    """For people: what concerns the dive first, and how old it is ``wall`` s after 1970 UTC."""
+    """Lines for people: what concerns the dive first; the age is at ``wall`` (s since 1970 UTC)."""
     yield from (f"ALARM {Alarm(**alarm)}" for alarm in found["alarms"])
     yield f"{'told':16} {max(0.0, wall - found['wall']):.0f} s ago"
     for name in ("state", "leg", "setpoint", "reason", "mission_time_s", "mission", "commander"):
@@ -294,7 +295,7 @@ def as_lines(found: Mapping[str, Any], wall: float) -> Iterator[str]:
 
 
 def sensed(sensor: Mapping[str, Any]) -> str:
-    """What is not to be believed is no value of now: why, and how old it is."""
+    """A sensor as text. For an invalid value: why, how old it is, and the last value."""
     if sensor["why"] == "absent":
         return "absent, as the vehicle file says"
     value = "" if sensor["value"] is None else _value(sensor["value"], sensor["unit"])
@@ -306,5 +307,5 @@ def sensed(sensor: Mapping[str, Any]) -> str:
 
 
 def _value(value: float, unit: str) -> str:
-    """What has no unit is a leak: there is one, or there is none."""
+    """The value with its unit; without a unit it is the leak: yes or no."""
     return f"{value:.2f} {unit}" if unit else ("yes" if value else "no")

@@ -1,6 +1,6 @@
-"""What the estimator heard, out of a black box: reports and fixes through the same decoders.
+"""The inputs of the estimator, from a black box: reports and fixes, by the same decoders.
 
-What does not live here: files (blackbox), the decoders (stream.senses), deciding anything again
+What does not live here: files (blackbox), the decoders (stream.senses), repeating the decisions
 (replay).
 """
 
@@ -19,12 +19,12 @@ from protocol.messages import Aid, Fix, Telemetry
 
 
 class LogError(ValueError):
-    """The operator must act: this is no black box that can be read, and why."""
+    """The operator must act: this black box cannot be read, and why."""
 
 
 @dataclass(frozen=True, slots=True)
 class Log:
-    """``vehicle`` as it was configured then; ``aids``: what sensors said that were added."""
+    """``vehicle``: as it was configured then; ``aids``: the readings of added sensors."""
 
     name: str
     vehicle: Vehicle
@@ -33,7 +33,7 @@ class Log:
 
 
 def read_log(path: Path) -> Log:
-    """Raises LogError, or BlackBoxError from the file itself."""
+    """Read a black box. Raises LogError, or BlackBoxError from the file itself."""
     return hear(path.name, read_parts(path))
 
 

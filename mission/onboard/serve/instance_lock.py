@@ -1,9 +1,9 @@
 """Only one serve may use a folder: two would both command the vehicle and overwrite each other's
 state.
 
-The lock is on the folder itself and ends with the process, however that ends. A disk that knows no
-locks keeps no serve from beginning: it may have a vehicle to surface. What does not live here: the
-exclusive use of a port (links).
+The lock is on the folder itself and ends with the process, however that ends. On a disk without
+locks serve begins all the same, because it may have a vehicle to surface. What does not live here:
+the exclusive use of a port (links).
 """
 
 from __future__ import annotations
@@ -17,12 +17,12 @@ from mission.onboard.serve import health
 
 
 class AnotherServe(OSError):
-    """The operator must act: says which process has the folder."""
+    """Another process has the folder; the message names it. The operator must act."""
 
 
 @contextlib.contextmanager
 def only_one(folder: Path) -> Iterator[None]:
-    """Raises AnotherServe."""
+    """Hold the folder's lock. Raises AnotherServe."""
     descriptor = _locked(folder)
     try:
         yield
@@ -32,7 +32,7 @@ def only_one(folder: Path) -> Iterator[None]:
 
 
 def _locked(folder: Path) -> int:
-    """-1: there is no locking here."""
+    """Lock the folder; its descriptor, or -1 if it cannot be locked."""
     try:
         import fcntl
 

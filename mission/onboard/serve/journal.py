@@ -1,13 +1,13 @@
 """The journal of a running serve: lines in order, each with its level; repeated ones are counted.
 
-    info     what happens as it should: states, commands sent to the vehicle with their reason
-    warning  somebody should look at it: refusals, ports that are away, a fault of a limit
+    info     normal operation: states, commands sent to the vehicle with their reason
+    warning  somebody should look at it: refusals, lost ports, a fault of a limit
     fault    the program or the vehicle needs help now
 
-The same thing again within a minute is counted, and told as a count afterwards. Of a ``kind`` that
-others can multiply (by addresses, by connections) ``OF_A_KIND`` different ones are told within a
-minute, and the rest is counted: no flood fills the disk. What does not live here: the black box,
-which has everything.
+A line that repeats within a minute is counted, and the count is written afterwards. Of a ``kind``
+that others can multiply (by addresses, by connections), ``OF_A_KIND`` different lines are written
+within a minute, and the rest are counted: no flood fills the disk. What does not live here: the
+black box, which has everything.
 """
 
 from __future__ import annotations
@@ -29,10 +29,10 @@ from mission.onboard.stream.events import HELD, answers_in, reason_of
 INFO, WARNING, FAULT = "info", "warning", "fault"
 LEVELS = {INFO: 6, WARNING: 4, FAULT: 3}  # syslog's numbers
 AGAIN_S = 60.0
-OF_A_KIND = 20  # different things that are told within ``AGAIN_S``
+OF_A_KIND = 20  # different lines that are written within ``AGAIN_S``
 REMEMBERED = 512
-DEEPEST, CAUSES = 30, 5  # places of an error that are told; errors behind one another
-_COMMAND = "to the vehicle\0"  # keys of what the vehicle was sent begin so
+DEEPEST, CAUSES = 30, 5  # stack frames that are written of an error; chained errors
+_COMMAND = "to the vehicle\0"  # begins the keys of commands to the vehicle
 
 
 @dataclass(slots=True)
@@ -52,22 +52,22 @@ class Journal:
         self._unsent = False  # the last command could not leave
 
     def info(self, text: str, key: str = "", kind: str = "") -> None:
-        """``key``: what counts as the same thing; by itself the text."""
+        """``key``: lines with the same key count as repeated; by default the text."""
         self._tell(INFO, text, key, 1, kind)
 
     def warning(self, text: str, key: str = "", times: int = 1, kind: str = "") -> None:
         self._tell(WARNING, text, key, times, kind)
 
     def fault(self, text: str) -> None:
-        """Always told."""
+        """Write a fault, even a repeated one."""
         self._write(f"{FAULT}: {text.rstrip()}")
 
     def error(self, text: str, error: BaseException) -> None:
-        """A fault and where it is, without lines of the source: the card that has them may hang."""
+        """Write an error with its stack, without source lines: the SD card with them may hang."""
         self.fault("\n".join([text, *_places_of(error)]))
 
     def settle(self) -> None:
-        """The counts whose minute is over; to be called now and then."""
+        """Write the counts whose minute is over; to be called regularly."""
         now = self._now()
         self._end([k for k, told in self.told.items() if now - told.t >= AGAIN_S])
 
@@ -101,8 +101,8 @@ class Journal:
     # --- what a runtime does -----------------------------------------------------------------
 
     def commanded(self, tx: Tx, sent: bool) -> None:
-        """What the vehicle was sent; always told, a stick that is held once a minute, and what is
-        only held not again."""
+        """Log a command to the vehicle: a stick that is held once a minute, the repeats of the
+        command in force not at all."""
         if sent and tx.reason.endswith(HELD) and not self._unsent:
             return
         self._unsent = not sent
@@ -115,7 +115,7 @@ class Journal:
             self.warning(f"NOT SENT, the port is closed: {frame} - {tx.reason}", f"{key} not sent")
 
     def answered(self, tx: Tx) -> None:
-        """What topside was sent: told where it says no."""
+        """Log the refusals in an answer to topside."""
         to = f"{tx.link} {tx.address}".rstrip()
         for word, refused in answers_in(tx.data):
             if refused:
@@ -130,7 +130,7 @@ class Journal:
             self.info(f"{peer} commands", kind="new commanders")
 
     def step(self, step: Step) -> None:
-        if step.entered:  # the same command in another state is another thing
+        if step.entered:  # in another state the same command is not a repetition
             self._forget(_COMMAND)
         for path in step.entered[-1:]:
             because = step.trigger or step.event
@@ -138,7 +138,7 @@ class Journal:
             self._now_in(path, f"{because}{': ' if what else ''}{what}")
 
     def estimate(self, estimate: Estimate) -> None:
-        """Not for people."""
+        """Not logged."""
 
     def notice(self, text: str) -> None:
         self.warning(text, kind="refused commands")
@@ -154,7 +154,7 @@ def _without_words(step: Step) -> str:
 
 
 class Several:
-    """Observers of one runtime, in their order."""
+    """Forwards to the observers of one runtime, in their order."""
 
     def __init__(self, *observers: Observer) -> None:
         self._observers = observers
@@ -188,7 +188,7 @@ def _shown(data: bytes) -> str:
 
 
 def printed(line: str, wall: float) -> str:
-    """For the system's journal with its level as a number, for a terminal with the time."""
+    """The line for output: with a syslog level for the system's journal, else with the time."""
     level, _, text = line.partition(": ")
     if level not in LEVELS:
         level, text = INFO, line
@@ -199,7 +199,7 @@ def printed(line: str, wall: float) -> str:
 
 
 def _places_of(error: BaseException) -> Iterator[str]:
-    """Where it was raised, innermost last, and what it is; then what caused it."""
+    """The stack of an error, innermost frame last, and its text; then the same of its causes."""
     told: list[BaseException] = []
     one: BaseException | None = error
     while one is not None and not any(one is other for other in told) and len(told) < CAUSES:

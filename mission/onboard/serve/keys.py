@@ -1,13 +1,12 @@
 """A small certificate authority for one vehicle and its boats, made with the `openssl` program.
 
-    FOLDER/authority/  ca.pem ca.key     stays with the team: neither at sea nor on the vehicle
+    FOLDER/authority/  ca.pem ca.key     stays with the team: never at sea or on the vehicle
     FOLDER/<end>/      ca.pem cert.pem key.pem     one per end, copied to it whole
 
-What is there is kept, never overwritten: called again with another name, it adds an end. The
-program `openssl` is driven because it is on every Pi and laptop already; a Python library for the
-same would be a compiled dependency of the vehicle for something done once. Certificates are valid
-from 2020 on: a Pi without a battery clock lives in the past after a power cut, and must still be
-reached.
+Existing folders are kept, never overwritten: a further call with another name adds an end. The
+program `openssl` is used because it is on every Pi and laptop already; a Python library would be a
+compiled dependency of the vehicle for something that is done once. Certificates are valid from 2020
+on: after a power cut a Pi without a battery clock has an old date, and must still be reached.
 
     KeysError      (the operator must act)
 
@@ -24,7 +23,7 @@ from pathlib import Path
 
 AUTHORITY = "authority"
 VEHICLE, BOAT, VIEWER = "vehicle", "boat", "viewer"
-SECONDS = 60  # that openssl may take
+SECONDS = 60  # timeout of openssl
 
 _CONFIGURATION = """\
 [ca]
@@ -71,9 +70,9 @@ class KeysError(OSError):
 def make_keys(
     folder: Path, boats: Sequence[str], made: Callable[[Path], None], viewers: Sequence[str] = ()
 ) -> None:
-    """The authority, the vehicle's end and one for each boat and viewer that is not there yet.
+    """Make the authority, the vehicle's end and one for each boat and viewer, where missing.
 
-    ``made`` is told of each. Raises KeysError.
+    ``made`` is called with each new folder. Raises KeysError.
     """
     openssl = shutil.which("openssl")
     if openssl is None:
@@ -101,7 +100,7 @@ def make_keys(
 
 
 def _keep_apart(openssl: str, folder: Path, boats: Sequence[str], viewers: Sequence[str]) -> None:
-    """No name is a boat and a viewer. Raises KeysError, before anything is made."""
+    """Check that no name is a boat and a viewer. Raises KeysError before anything is made."""
     if both := set(boats) & set(viewers):
         raise KeysError(
             f"{min(both)!r} cannot be a boat and a viewer: give the viewer its own name"
@@ -117,13 +116,13 @@ def _keep_apart(openssl: str, folder: Path, boats: Sequence[str], viewers: Seque
 
 
 def _role(openssl: str, certificate: Path) -> str:
-    """As ``_make`` wrote it."""
+    """The role of a certificate, as ``_make`` wrote it."""
     run = [openssl, "x509", "-in", str(certificate), "-noout", "-subject", "-nameopt", "RFC2253"]
     return VIEWER if f"OU={VIEWER}" in _run(run) else BOAT
 
 
 def _make(openssl: str, end: Path, name: str, role: str, authority: Path | None) -> None:
-    """The folder of one end, whole or not at all."""
+    """Make the folder of one end, completely or not at all."""
     with tempfile.TemporaryDirectory(dir=end.parent, prefix=".keys-") as temporary:
         work, out = Path(temporary), Path(temporary) / "out"
         out.mkdir(mode=0o700)
@@ -154,7 +153,7 @@ def _make(openssl: str, end: Path, name: str, role: str, authority: Path | None)
 
 
 def _run(command: list[str]) -> str:
-    """What it printed."""
+    """Run openssl; return what it printed. Raises KeysError."""
     try:
         done = subprocess.run(command, check=True, capture_output=True, text=True, timeout=SECONDS)
     except subprocess.CalledProcessError as error:

@@ -1,13 +1,12 @@
-"""When serve may end: when the vehicle needs nobody, or when the time is up.
+"""When serve may end: when the vehicle needs no control any more, or when the time is up.
 
-    signal --> up first, while the operator's words still count --> settled        --> end
-    another signal, or MARGIN_S before the service manager kills --> last words    --> end
-    (behind a fault of the program the last words are those of the runtime that is due)
+    signal --> surface first, while operators still command --> settled               --> end
+    another signal, or MARGIN_S before the service manager kills --> last commands    --> end
+    (after an error of the program, the runtime that is due gives the last commands)
 
-Whoever ends serve may be about to switch the Pi off, and a vehicle in automatic keeps its last
-setpoint for ever. The service manager tells nobody how long it waits: the unit says it twice, as
-TimeoutStopSec and as AUVMISSION_STOP_S. What does not live here: what is said to the vehicle
-(engine: ending).
+The Pi may be switched off next, and a vehicle in automatic mode keeps its last setpoint for ever.
+The service manager does not tell how long it waits, so the unit states it twice: as TimeoutStopSec
+and as AUVMISSION_STOP_S. What does not live here: the commands to the vehicle (engine: ending).
 """
 
 from __future__ import annotations
@@ -21,10 +20,10 @@ from mission.onboard.runtime.runtime import Runtime
 
 VARIABLE = "AUVMISSION_STOP_S"
 USUAL_S = 300.0  # TimeoutStopSec of the unit
-MARGIN_S = 10.0  # real time, for the last words and for the black box
-REBORN_S = 4.0  # real time, for a runtime that is due behind a fault
-# Real time, for the answers to the last words and their further tries, and until each of the
-# words that nobody answers has been said as often as it is to be (R18).
+MARGIN_S = 10.0  # s of real time for the last commands and the black box
+REBORN_S = 4.0  # s of real time for a runtime that is due after an error
+# s of real time for the acknowledgements and retries of the last commands, and until each command
+# that nothing acknowledges has been repeated as often as it has to be (R18).
 LAST_WORDS_S = (TIMES - 1) * AGAIN_S + 1.0
 LOOK_S = 0.05
 UP_FIRST = (
@@ -38,7 +37,7 @@ TOO_EARLY = (
 
 
 def time_to_leave(environment: Mapping[str, str]) -> float:
-    """s of real time between the signal and the last words."""
+    """Seconds of real time between the signal and the last commands."""
     try:
         given = float(environment.get(VARIABLE, ""))
     except ValueError:
@@ -47,8 +46,8 @@ def time_to_leave(environment: Mapping[str, str]) -> float:
 
 
 class Leaving:
-    """``living`` gives the runtime, None while another one is about to begin; ``end`` is called
-    with whether the last words are due; ``tell`` gets what an operator should know."""
+    """``living`` returns the runtime, None while another one is about to begin. ``end`` is called
+    with whether the last commands are due. ``tell`` gets what an operator should know."""
 
     def __init__(
         self,
@@ -59,10 +58,10 @@ class Leaving:
     ) -> None:
         self._seconds, self._living, self._end, self._tell = seconds, living, end, tell
         self.ordered, self._hurry = asyncio.Event(), asyncio.Event()
-        self.last = self.over = False  # ``last``: what begins now says the last words at once
+        self.last = self.over = False  # ``last``: a new runtime gives the last commands at once
 
     def signal(self) -> None:
-        """Takes in a signal; the second one hurries."""
+        """Take in a signal; the second one leads to the last commands at once."""
         if self.ordered.is_set():
             self._hurry.set()
         self.ordered.set()
@@ -90,7 +89,7 @@ class Leaving:
 
 
 async def _until(holds: Callable[[], bool], seconds: float) -> None:
-    """At most so long."""
+    """Wait until ``holds``, at most ``seconds``."""
     clock = asyncio.get_running_loop().time
     end = clock() + seconds
     while not holds() and clock() < end:

@@ -1,6 +1,6 @@
-"""What the topside's URL of the configuration means: where to listen, and who is thereby let in.
+"""The meaning of the topside's URL in the configuration: where to listen, and who is admitted.
 
-What does not live here: what the options of such a URL may say (links).
+What does not live here: the options of such a URL (links).
 """
 
 from __future__ import annotations
@@ -13,19 +13,19 @@ from links import parse_address
 
 @dataclass(frozen=True, slots=True)
 class Ready:
-    """Told once, when an operator can connect."""
+    """Reported once, when an operator can connect."""
 
     topside: str  # tcp://host:port, the port as it really is
     black_box: str  # path, "" if there is none
 
 
 def listening(url: str) -> str:
-    """The topside's URL names where to listen: for a link, tcp-listen or tls-listen."""
+    """The topside's URL as that of a listening link: tcp-listen or tls-listen."""
     return re.sub(r"^(tcp|tls)://", r"\1-listen://", url)
 
 
 def listening_to_viewers(url: str) -> str:
-    """The monitor's URL: viewers are let in, with time for a handshake over a thin radio."""
+    """The monitor's URL: admits viewers, with time for a handshake over a slow radio."""
     url = listening(url)
     for option in ("handshake=60", "viewers=yes"):
         if f"{option.partition('=')[0]}=" not in url.partition("?")[2]:
@@ -34,12 +34,12 @@ def listening_to_viewers(url: str) -> str:
 
 
 def reached_at(url: str) -> str:
-    """What an operator says to ``--to``."""
+    """The URL that an operator gives to ``--to``."""
     return url.replace("-listen://", "://", 1).partition("?")[0]
 
 
 def open_to_all(url: str) -> bool:
-    """Anybody who reaches the port can command the vehicle. Raises LinkAddressError."""
+    """Whether anybody who reaches the port can command the vehicle. Raises LinkAddressError."""
     address = parse_address(listening(url))
     loopback = address.host in ("localhost", "::1") or address.host.startswith("127.")
     return address.scheme == "tcp-listen" and not loopback and not address.options.get("allow")

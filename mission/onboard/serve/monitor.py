@@ -1,21 +1,21 @@
-"""The read-only monitor of a running serve: what viewers are sent, and how little. Sans-IO.
+"""The read-only monitor of a running serve: what viewers are sent, in few bytes. Sans-IO.
 
     serve -> viewer  {"n": 7, "t": 41.2, "state": {what changed}, "events": [...], "plan": [...],
                       "track": [[t, latitude, longitude, depth], ...], "gap": 0,
                       "past": [[t, depth, altitude, ...], ...]}
     viewer -> serve  {"wish": {"rate": 5, "bytes": 16000, "values": ["state"], "track": true,
-                               "past": "" (none), "before" (it came) or "all"}}
+                               "past": "" (none), "before" (it connected) or "all"}}
                      {"ack": 7}
 
-One JSON object a line. At most ``AHEAD`` frames are unanswered, half of the quickest answer apart:
-what happens meanwhile waits here, of a state its newest, of events the newest ``EVENTS`` with the
-number of those that are missing as the ``gap``. So nothing is old when it arrives, however thin the
-way, and nothing grows. A frame has no more bytes than was wished for: state first, then of events,
-plan, track and past what does not delay the next; of what was before the viewer came the newest
-first. Who answers none for ``SILENT_S``, or says anything else, is sent away: no word of command is
-known here.
+One JSON object a line. At most ``AHEAD`` frames are unanswered, half of the quickest answer apart.
+Meanwhile news waits here: of the state the newest values, of events the newest ``EVENTS``, with the
+number of dropped ones as the ``gap``. So data is fresh when it arrives, however slow the link, and
+no queue grows. A frame has no more bytes than the viewer wished: state first, then as much of
+events, plan, track and past as does not delay the next frame; of the past before the viewer
+connected, the newest first. A viewer that acknowledges nothing for ``SILENT_S``, or sends anything
+else, is disconnected: the monitor knows no commands.
 
-What does not live here: the sockets (ports), what a state is made of (view).
+What does not live here: the sockets (ports), the content of a state (view).
 """
 
 from __future__ import annotations
@@ -30,18 +30,18 @@ from typing import Any
 from mission.model.past import Past, Row
 
 SILENT_S = 20.0
-AHEAD = 2  # frames: one is older by a way back where the way is long, three wait where it is thin
-STALLED_S = 2.5  # nothing has left for so long: one more
+AHEAD = 2  # frames: with 1, data is a round trip older on a long link; 3 queue up on a slow one
+STALLED_S = 2.5  # s without a sent frame: one more may leave
 DELAYED_S = (
-    0.3  # s behind the quickest answer: what is told beside the state is halved, else doubled
+    0.3  # s later than the quickest answer: the bytes beside the state are halved, else doubled
 )
-LEAST_ROOM, ROOM = 250, 500  # bytes, for that; the first
+LEAST_ROOM, ROOM = 250, 500  # bytes beside the state: the least, the first
 EVENTS = 200  # that wait for one viewer
-TRACK = 4096  # points that are kept: beyond, every other one
+TRACK = 4096  # points that are kept; beyond, every other one is dropped
 TRACK_EVERY_S = 1.0
 BEFORE, ALL = "before", "all"  # of the past
 PIECE = 24  # points or lines that are added to a frame at a time
-LINE = 4096  # bytes of what a viewer says
+LINE = 4096  # bytes of a line from a viewer
 FASTEST_HZ, LEAST_BYTES, MOST_BYTES = 5.0, 200, 60_000
 _dumps = json.JSONEncoder(separators=(",", ":")).encode
 
@@ -50,7 +50,7 @@ Point = tuple[float, float, float, float | None]
 
 
 class Unwelcome(Exception):
-    """A viewer who said what no viewer says; the message is for the journal."""
+    """A viewer has sent something that no viewer sends; the message is for the journal."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,7 +66,7 @@ class Wish:
 
 
 class Track:
-    """Where it has been: shared by all viewers, thinned where it grows long."""
+    """Where the vehicle has been: shared by all viewers, thinned as it grows long."""
 
     def __init__(self) -> None:
         self.points: list[Point] = []
@@ -75,7 +75,7 @@ class Track:
 
     def add(self, t: float, latitude: float, longitude: float, depth: float | None) -> None:
         t = round(t, 1)
-        if self.points and 0.0 <= t - self.points[-1][0] < self._every:  # below: of another engine
+        if self.points and 0.0 <= t - self.points[-1][0] < self._every:  # < 0: a new engine
             return
         self.points.append((t, round(latitude, 7), round(longitude, 7), depth))
         if len(self.points) > TRACK:
@@ -87,33 +87,34 @@ class Track:
 @dataclass(slots=True)
 class Viewer:
     wish: Wish = field(default_factory=Wish)
-    greeted: bool = False  # it has said what it wishes
+    greeted: bool = False  # it has sent its wish
     heard: bytes = b""
     number: int = 0
     unanswered: deque[float] = field(default_factory=deque)  # when each was sent
-    quickest: float = math.inf  # s, of all answers
+    quickest: float = math.inf  # s, the quickest of all answers
     room: int = ROOM  # bytes beside the state
     sent_at: float = -math.inf
-    since: float = 0.0  # when it came, or answered last
+    since: float = 0.0  # when it connected, was sent a frame, or answered last
     known: dict[str, Any] = field(default_factory=dict)
     events: deque[str] = field(default_factory=deque)
     gap: int = 0
     plan: Sequence[str] = ()
-    told: int = 0  # points of the track
+    told: int = 0  # points of the track that were sent
     thinned: int = 0
-    before: Sequence[Row] = ()  # it came, the newest first
-    passed: int = 0  # rows of all of the past
+    before: Sequence[Row] = ()  # the past before it connected, the newest first
+    passed: int = 0  # rows of all of the past that were sent
     past_thinned: int = 0
 
     def is_due(self, now: float, ahead: int) -> bool:
-        """``ahead``: frames that may be unanswered."""
+        """Whether a frame may leave. ``ahead``: frames that may be unanswered."""
         apart = min(self.quickest / AHEAD, STALLED_S) if self.unanswered else 0.0
         if len(self.unanswered) >= ahead:
             apart = STALLED_S if len(self.unanswered) == AHEAD else math.inf
         return self.greeted and now >= self.sent_at + max(1.0 / self.wish.rate, apart) - 1e-6
 
     def answer(self, number: int, now: float) -> bool:
-        """False: no such frame is unanswered. Those before it are answered, too."""
+        """Take an acknowledgement, which covers earlier frames, too. False if no such frame is
+        unanswered."""
         if not self.number - len(self.unanswered) < number <= self.number:
             return False
         while len(self.unanswered) > self.number - number:
@@ -126,8 +127,8 @@ class Viewer:
 
 
 class Monitor:
-    """``ahead``: frames that a viewer may leave unanswered; ``room``: bytes of its first beside the
-    state."""
+    """``ahead``: frames that a viewer may leave unanswered. ``room``: bytes beside the state in its
+    first frame."""
 
     def __init__(self, ahead: int = AHEAD, room: int = ROOM) -> None:
         self._ahead, self._room = ahead, room
@@ -137,7 +138,7 @@ class Monitor:
         self._recent: deque[str] = deque(maxlen=EVENTS)
 
     def event(self, text: str) -> None:
-        """A line of the journal."""
+        """Queue a line of the journal for all viewers."""
         self._recent.append(text)
         for viewer in self.viewers.values():
             if len(viewer.events) >= EVENTS:
@@ -146,7 +147,7 @@ class Monitor:
             viewer.events.append(text)
 
     def load(self, lines: Iterable[str]) -> None:
-        """The mission that the store holds."""
+        """Take the lines of the stored mission; viewers get them if they have changed."""
         lines = tuple(lines)
         if lines != self._plan:
             self._plan = lines
@@ -154,7 +155,7 @@ class Monitor:
                 viewer.plan = ("", *lines)
 
     def begin_again(self) -> None:
-        """Another engine has begun, with a time of its own: nothing was before it."""
+        """Another engine has started, with its own time: forget the past."""
         self.past = Past()
         for viewer in self.viewers.values():
             viewer.before, viewer.passed, viewer.past_thinned = (), 0, 0
@@ -168,7 +169,7 @@ class Monitor:
         self.viewers.pop(address, None)
 
     def receive(self, address: str, data: bytes, now: float) -> None:
-        """Raises Unwelcome."""
+        """Take in bytes of a viewer. Raises Unwelcome."""
         viewer = self.viewers.get(address)
         if viewer is None:
             return
@@ -194,7 +195,7 @@ class Monitor:
             raise Unwelcome("it said what no viewer says") from error
 
     def silent(self, now: float) -> list[str]:
-        """Viewers whose connection is to be closed."""
+        """Viewers that have been silent too long: their connection has to be closed."""
         return [
             address
             for address, viewer in self.viewers.items()
@@ -230,7 +231,7 @@ class Monitor:
         return made.line
 
     def _add_track(self, made: _Frame, viewer: Viewer) -> None:
-        if viewer.thinned != self.track.thinned:  # the points it has are others now
+        if viewer.thinned != self.track.thinned:  # points were dropped since
             viewer.told >>= self.track.thinned - viewer.thinned
             viewer.thinned = self.track.thinned
         viewer.told += made.add_pieces("track", self.track.points[viewer.told :])
@@ -245,7 +246,7 @@ class Monitor:
 
 
 class _Frame:
-    """Parts as long as there is room."""
+    """A frame that takes parts as long as there is room."""
 
     def __init__(self, number: int, t: float, most: int) -> None:
         self.number, self._most = number, most
@@ -254,7 +255,7 @@ class _Frame:
         self.is_empty = True
 
     def leave(self, room: int) -> None:
-        """Bytes for all that follows."""
+        """Leave ``room`` bytes for all that follows."""
         self._most = min(self._most, self._size + room)
 
     @property
@@ -262,7 +263,7 @@ class _Frame:
         return _dumps(self._said).encode() + b"\n"
 
     def add(self, name: str, value: Any, key: str = "") -> bool:
-        """Whether there was room. ``key``: one value of a table."""
+        """Add a value; whether there was room. ``key``: its name, if it is one value of a table."""
         added = len(_dumps(value)) + len(key or name) + 4 + (0 if key else 2)
         if key and name not in self._said:
             added += len(name) + 6
@@ -286,7 +287,7 @@ class _Frame:
                 return
 
     def add_pieces(self, name: str, values: Sequence[Any]) -> int:
-        """How many had room, one at least."""
+        """Add values in order; return how many had room, at least one if any room is left."""
         count = 0
         while count < len(values) and (self._size < self._most or self.is_empty):
             piece = list(values[count : count + PIECE])
@@ -299,7 +300,7 @@ class _Frame:
 
 
 def _add_state(made: _Frame, viewer: Viewer, state: State) -> None:
-    """What has changed, as far as it has room; what had none comes first the next time."""
+    """Add the values that have changed, as far as there is room; first those never sent yet."""
     wanted = viewer.wish.values or tuple(state)
     changed = [
         name for name in wanted if name in state and viewer.known.get(name, made) != state[name]

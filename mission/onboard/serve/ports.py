@@ -1,11 +1,11 @@
-"""The configured links of `serve`, each kept open: opened in a thread, watched, opened again.
+"""The configured links of `serve`: each is opened in a thread, watched, and reopened if lost.
 
     closed --open_link--> open --LinkClosed--> closed --RETRY_S--> ...
     switched off (@NS) --> closed, until switched on
 
-An end of a joined link (links.joined) that is away is told as a port is, and so is its coming back.
-A port that is busy or absent is told once, in the link's own words, and tried again for ever,
-whatever kind of error that was; none leaves here. What does not live here: what the bytes mean
+The loss and return of an end of a joined link (links.joined) is reported as that of a port. A port
+that is busy or absent is reported once, with the link's own message, and retried for ever, whatever
+the error was; no error leaves this module. What does not live here: the meaning of the bytes
 (runtime), the links.
 """
 
@@ -29,7 +29,7 @@ RETRY_S = 1.0  # real time
 
 
 class Port:
-    """``readable`` is called when the link has something, ``changed`` when it opened or closed."""
+    """``readable`` is called when the link has bytes, ``changed`` when it opened or closed."""
 
     def __init__(
         self,
@@ -43,7 +43,7 @@ class Port:
         self._readable, self._changed, self._tell = readable, changed, tell
         self.link: Link | None = None
         self.received = self.sent = 0  # bytes
-        self.heard: float | None = None  # when last, by the clock of who asks
+        self.heard: float | None = None  # when bytes last came, by the caller's clock
         self._told = ""
         self._spacer = TxSpacer(0.0, BAUD)
         self._closed, self._tried = asyncio.Event(), asyncio.Event()
@@ -52,7 +52,7 @@ class Port:
 
     @property
     def peers(self) -> tuple[str, ...]:
-        """Who is connected, where the link has several peers; the one behind a modem has no
+        """The connected peers of a link that can have several; the one behind a modem has no
         address."""
         if isinstance(self.link, TcpServer):
             return self.link.peers
@@ -60,18 +60,18 @@ class Port:
 
     @property
     def is_away(self) -> bool:
-        """Whether the link is configured, and it, or an end of it, could not be opened or was
+        """Whether the link is switched on, but it or an end of it could not be opened or was
         lost."""
         is_whole = self.link is not None and self._lacks is None
         return not is_whole and self._on.is_set() and bool(self._told)
 
     @property
     def _lacks(self) -> OSError | None:
-        """Why an end of an open link is away."""
+        """Why an end of an open link is lost; None if it is not."""
         return self.link.away if isinstance(self.link, JoinedLink) else None
 
     def vouch(self, address: str) -> None:
-        """Notes that bytes of this link made sense."""
+        """Note that bytes of this peer made sense."""
         if isinstance(self.link, TcpServer):
             self.link.vouch(address)
 
@@ -85,13 +85,13 @@ class Port:
         return self.link.refusals() if isinstance(self.link, TcpServer) else Counter()
 
     async def keep_open(self) -> None:
-        """Runs until it is cancelled."""
+        """Run until cancelled."""
         try:
             while True:
                 await self._on.wait()
                 try:
                     await self._open()
-                except Exception as error:  # of whatever kind: nobody else would open it again
+                except Exception as error:  # of any kind: nothing else would reopen it
                     self._complain(f"{_said(self.name, error)} - trying again")
                     self._tried.set()
                     self.close()
@@ -102,7 +102,7 @@ class Port:
             self.close()
 
     async def tried(self, seconds: float) -> None:
-        """Waits until it is open, or until that has failed once, or so long."""
+        """Wait until it is open or opening has failed once, at most ``seconds``."""
         with contextlib.suppress(TimeoutError):
             await asyncio.wait_for(self._tried.wait(), seconds)
 
@@ -119,7 +119,7 @@ class Port:
     def _adopt(self, link: Link) -> None:
         self.link = link
         if isinstance(link, TcpServer):
-            self.url = re.sub(r":0(?=$|\?)", f":{link.port}", self.url)  # the same one, again
+            self.url = re.sub(r":0(?=$|\?)", f":{link.port}", self.url)  # the same when reopened
         self._tell_open()
         self._tried.set()
         if link.fileno() >= 0:
@@ -134,7 +134,7 @@ class Port:
             self._tell(f"{self.name}: {self.url} is open")
 
     def _look(self) -> None:
-        """Whether an end was lost, or is back; told when what is being sent now is through."""
+        """Check whether an end was lost or is back; report it once the current send is done."""
         if self.link is not None and bool(self._told) is (self._lacks is None):
             asyncio.get_running_loop().call_soon(self._follow)
 
@@ -146,7 +146,7 @@ class Port:
                 self._changed(self)
 
     def keep_gaps(self, gap: float) -> None:
-        """Of so many s between any two frames that are sent."""
+        """Keep a gap of ``gap`` s between any two frames that are sent."""
         self._spacer = TxSpacer(gap, baud_of(self.url, BAUD))
 
     def receive(self, now: float) -> list[Rx]:
@@ -165,11 +165,11 @@ class Port:
             self.heard = now
             self.received += sum(len(rx.data) for rx in heard)
             if heard[0].address and not isinstance(self.link, TcpServer):
-                heard = [rx._replace(address="") for rx in heard]  # there is but one
+                heard = [rx._replace(address="") for rx in heard]  # there is only one peer
         return heard
 
     def send(self, data: bytes, now: float, address: str) -> bool:
-        """Sends, or returns False where the bytes are lost because the link is closed."""
+        """Send the bytes; False if they are lost because the link is closed."""
         if self.link is None:
             return False
         for frame in self._spacer.leaving(data, now):
@@ -189,7 +189,8 @@ class Port:
                 self._lose(watched, error)
 
     def next_event(self) -> float | None:
-        """When to look though nothing came: bytes of a link without a descriptor, a peer's end."""
+        """When to check although nothing came: a link without a descriptor, a peer's timeout, a
+        frame that waits for its gap."""
         if self.link is None:
             return None
         events = (self.link.next_event(), self._spacer.next_event())
@@ -211,7 +212,7 @@ class Port:
         self._drop(watched)
 
     def _drop(self, watched: int) -> None:
-        """``watched``: the descriptor; a link that lost its device has forgotten it."""
+        """Close the link. ``watched``: its descriptor, unknown to a link that lost its device."""
         link, self.link = self.link, None
         self._spacer.clear()
         if watched >= 0:
@@ -229,13 +230,13 @@ class Port:
 
 
 def _said(name: str, error: Exception) -> str:
-    """A link's error names the link."""
+    """The text of an error; a link's own error already names the link."""
     return str(error) if isinstance(error, OSError) else f"{name}: {error!r}"
 
 
 async def _wanted(opening: asyncio.Future[Link]) -> Link:
-    """Waits for a link that a thread opens; if the waiting is cancelled, the link is closed as soon
-    as it is open."""
+    """Wait for a link that a thread opens; if the wait is cancelled, close the link as soon as it
+    is open."""
     try:
         return await asyncio.shield(opening)
     except asyncio.CancelledError:

@@ -1,8 +1,8 @@
-"""Imports in a thread, before anybody waits for it, what a mission needs and takes long to import.
+"""Import the slow modules that a mission needs in a thread, before anything waits for them.
 
-It stays for ever, and with it some hundred thousand objects of the libraries. The collector would
-look through all of them now and then, for 60 ms on a fast machine: between a report and the command
-that answers it. So they are taken out of its sight.
+They stay loaded, with some hundred thousand objects of the libraries. The garbage collector would
+scan all of them now and then, for 60 ms on a fast machine: between a report and the command that
+answers it. So they are frozen, and it does not scan them.
 """
 
 from __future__ import annotations
@@ -30,17 +30,17 @@ def prepare(runtime: Runtime) -> Navigation:
 
         navigation = runtime.make_navigation()
         for epoch in EPOCHS:
-            with contextlib.suppress(OSError):  # it is told by nobody, and counts as 0
+            with contextlib.suppress(OSError):  # without its table declination counts as 0
                 table(epoch)
-        if runtime.state.startswith("idle"):  # no ascent waits for it
+        if runtime.state.startswith("idle"):  # otherwise an ascent would wait for it
             judge_ahead(runtime)
-        if not gc.get_freeze_count():  # a further runtime: its predecessor may be garbage by now
+        if not gc.get_freeze_count():  # once: later, an earlier runtime may be garbage
             gc.freeze()
         return navigation
 
 
 def judge_ahead(runtime: Runtime) -> None:
-    """The kept mission, so that its verdict is ready when it is asked for, in idle, and holds up
+    """Judge the stored mission, so that its verdict is ready when it is needed in idle, and delays
     neither an X nor an operator then."""
     if lines := runtime.unjudged:
         with uncollected(), contextlib.suppress(MissionRefused):

@@ -1,12 +1,12 @@
-"""Prints lines to a descriptor by a thread of its own: the caller never waits, and nothing raises.
+"""Print lines to a descriptor in a thread: the caller never waits, and nothing raises.
 
     print(line) --queue, at most WAITING--> thread --os.write--> terminal, pipe, system's journal
 
-A terminal over a radio that is gone takes nothing and says nothing, a pipe whose reader died
-raises: neither may hold up an order to the vehicle. What finds no room is lost and counted; the
-count is printed once something gets through again.
+A terminal over a lost radio link blocks without an error, and a pipe whose reader died raises:
+neither may delay a command to the vehicle. Lines that find no room are lost and counted; the count
+is printed once a line gets through again.
 
-What does not live here: what is told (journal).
+What does not live here: the lines (journal).
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ import select
 import threading
 
 WAITING = 2000  # lines
-PATIENCE_S = 1.0  # that the end of the program waits for the last lines
+PATIENCE_S = 1.0  # s that the end of the program waits for the last lines
 
 
 class Printer:
@@ -35,7 +35,7 @@ class Printer:
             self._lost += 1
 
     def close(self) -> None:
-        """What waits is printed, if somebody takes it in time."""
+        """Print what waits, if the descriptor takes it in time."""
         try:
             self.lines.put(None, timeout=PATIENCE_S)
         except queue.Full:

@@ -1,9 +1,10 @@
 """What the nodes switch (R13): links, and the camera's command.
 
-A request is ``CAMERA O``; what is so afterwards is answered as ``CAMERA O\n``, or not at all: then
-the switch is refused after its 5 s. A camera whose command ends by itself is closed: that is told,
-and reported as ``CAMERA C\n`` unasked. The command and whatever it started are one group, and end
-together. What does not live here: which switches are allowed (topside).
+A request is ``CAMERA O``. The answer is the state afterwards, ``CAMERA O\\n``; without an answer
+the switch is refused after its 5 s. If the camera's command ends by itself, the node is closed:
+this is logged, and reported as ``CAMERA C\\n`` unasked. The command and all that it started are one
+process group, and end together. What does not live here: which switches are allowed
+(node_switching).
 """
 
 from __future__ import annotations
@@ -20,15 +21,15 @@ from pathlib import Path
 from mission.onboard.runtime.device_switches import CLOSE, OPEN
 from mission.onboard.serve.ports import Port
 
-PATIENCE_S = 3.0  # that a process has to end by itself
-BEGINS_S = 0.3  # that a command has to fail in at once: then it was never open
+PATIENCE_S = 3.0  # s for a process to end by itself
+BEGINS_S = 0.3  # s: a command that ends sooner was never open
 CAMERA = "CAMERA"
 _NICE, _GOES_FIRST = 10, 500  # of the camera: setpriority(2), oom_score_adj (proc(5))
 
 
 class Processes:
     """``ports``: by the name of their node. ``camera``: a command line, None: there is none.
-    ``report`` gets what is so though nobody asked for it."""
+    ``report`` gets changes of state that nobody requested."""
 
     def __init__(
         self,
@@ -42,7 +43,7 @@ class Processes:
         self._watch: asyncio.Task[None] | None = None
 
     async def switch(self, request: bytes) -> bytes:
-        """The answer, b"" if it did not work."""
+        """Switch a node; the answer, b"" if that failed."""
         name, _, letter = request.decode("ascii", "replace").partition(" ")
         on = letter == OPEN
         if name in self._ports:
@@ -52,7 +53,7 @@ class Processes:
         return request + b"\n"
 
     async def begin_again(self) -> None:
-        """As a new process has it, for a new runtime: every port open, no camera."""
+        """Reset for a new runtime: every port open, no camera."""
         for port in self._ports.values():
             port.switch(True)
         await self._switch_camera(False)
@@ -92,7 +93,7 @@ class Processes:
     async def _until_it_ends(self, process: Process) -> None:
         await process.wait()
         if process is self._process:
-            _signal(process, signal.SIGTERM)  # what it left behind
+            _signal(process, signal.SIGTERM)  # the processes that it left behind
             self._tell(f"CAMERA: {self._camera}: {_ended(process)} by itself")
             self._report(f"{CAMERA} {CLOSE}\n".encode())
 
@@ -106,13 +107,13 @@ class Processes:
         except TimeoutError:
             pass
         finally:
-            _signal(process, signal.SIGKILL)  # whoever of the group is still there
+            _signal(process, signal.SIGKILL)  # the rest of the group
         await process.wait()
 
 
 def _give_way(process: Process) -> None:
-    """What the unit gives this program is not for its camera: X and W come first, and where memory
-    is short the camera goes before the radio's programs."""
+    """Lower the priorities that the camera inherits from this program's unit: X and W come first,
+    and if memory is short, the camera is killed before the radio's programs."""
     with contextlib.suppress(OSError):
         os.setpriority(os.PRIO_PGRP, process.pid, _NICE)
         Path(f"/proc/{process.pid}/oom_score_adj").write_text(str(_GOES_FIRST))

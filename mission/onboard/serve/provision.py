@@ -1,18 +1,18 @@
-"""What serve starts with, even where the configuration is broken: it may have a vehicle to surface.
+"""What serve starts with, even if the configuration is broken: it may have a vehicle to surface.
 
-    configuration, vehicle file, store are good       --> that
-    the store is broken                               --> one that keeps nothing, and does not know
-                                                          what was under way
+    configuration, vehicle file, store are good       --> these
+    the store is broken                               --> a store that keeps nothing, and does not
+                                                          know what was under way
     configuration or vehicle file are broken, and
-       nothing was under way                          --> Unusable: somebody has to mend them
-       something was, or may have been                --> the last that worked (working), else what
-                                                          is shipped; for the ascent alone
+       nothing was under way                          --> Unusable: the operator has to repair them
+       something was, or may have been                --> the last that worked (working), else the
+                                                          shipped ones; for an ascent alone
 
-``ascent only``: no mission is accepted, none starts; with an old configuration the operator's port
-is the loopback's, since a revoked key or an old list of addresses must not come back.
+``ascent_only``: no mission is accepted, and none starts. With an old configuration the operator's
+port is on loopback, because a revoked key or an old list of addresses must not come back.
 
-What does not live here: what the ascent is (engine), the files themselves (configuration, vehicle,
-store, working).
+What does not live here: the ascent (engine), the files themselves (configuration, vehicle, store,
+working).
 """
 
 from __future__ import annotations
@@ -45,12 +45,12 @@ _NEEDED = ("vehicle", "gps", "topside", "modem")
 
 
 class Unusable(ValueError):
-    """The operator must act; nothing was under way that would have to come up."""
+    """The operator must act; nothing was under way that would have to surface."""
 
 
 @dataclass(frozen=True, slots=True)
 class Provision:
-    """``faults``: what is broken, in words; ``damage``: what of the store."""
+    """``faults``: what is broken, as text; ``damage``: what of the store is."""
 
     configuration: Configuration
     vehicle: Vehicle
@@ -60,7 +60,7 @@ class Provision:
     damage: tuple[str, ...] = ()
 
     def keep(self) -> None:
-        """Keeps a configuration that worked; not one that can only surface. Raises OSError."""
+        """Keep a configuration that worked, but not one for an ascent alone. Raises OSError."""
         if not self.configuration.ascent_only:
             keep(Working(self.configuration, self.vehicle), self.homes)
 
@@ -71,7 +71,8 @@ def provide(
     folder: Path | None,
     environment: Mapping[str, str] = os.environ,
 ) -> Provision:
-    """``given``: the links of the command line, by name. Raises Unusable."""
+    """Return what serve starts with. ``given``: the command line's links, by name. Raises
+    Unusable."""
     homes = Homes(config, folder, environment)
     faults: list[str] = []
     configuration, named = _configuration(config, given, folder, faults)
@@ -92,7 +93,8 @@ def _configuration(
     folder: Path | None,
     faults: list[str],
 ) -> tuple[Configuration | None, str]:
-    """And the vehicle that it names, which is told of beside what is wrong with all else."""
+    """Return the configuration, None if broken, and the vehicle that it names: a fault of the
+    vehicle file is reported as well."""
     named = [BUILT_IN]
 
     def judge(key: tuple[str, ...], value: Any) -> None:
@@ -106,7 +108,7 @@ def _configuration(
         read = load_configuration(config, judge)
     except ConfigurationError as error:
         faults.append(error.brief)
-    except Exception as error:  # a library that is missing, a home that nobody has
+    except Exception as error:  # a missing library, a user without a home
         faults.append(f"the configuration cannot be read: {type(error).__name__}: {error}")
     else:
         if not faults:
@@ -163,7 +165,7 @@ def _old(kept: Working | None, given: Mapping[str, str | None], homes: Homes) ->
 
 
 def _left_behind(folder: Path, known: bool) -> Store:
-    """What the store says; nothing is made, so that none is found where none was."""
+    """Open the store if there is one. Create none, so that the next start finds none, either."""
     if os.path.lexists(folder):
         return _store(folder)
     if known:
@@ -177,13 +179,13 @@ def _with(links: LinkUrls, given: Mapping[str, str | None]) -> LinkUrls:
 
 
 def _check(name: str, url: str) -> None:
-    """Of what serve does not begin with where it is wrong. Raises LinkError."""
+    """Check a URL without which serve does not begin (_NEEDED). Raises LinkError."""
     if name in _NEEDED:
         check_url(listening(url) if name == "topside" else url)
 
 
 def _wrong(given: Mapping[str, str | None]) -> list[str]:
-    """What of the command line's links can never be opened."""
+    """The faults of links of the command line that can never be opened."""
     found = []
     for name, url in given.items():
         try:

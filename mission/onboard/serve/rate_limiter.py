@@ -1,14 +1,14 @@
 """The rate limiter: bytes of an address within its allowance pass; beyond it only X and W do.
 
     allowance of one address:   1000 frames and 256 kB at once, refilled 500 and 64 kB a second
-    of all together:            four times that
+    all addresses together:     four times that
 
-Beyond it a flood is dropped as it comes, and searched for ``@ZAX0$`` and ``@ZAWF$`` (R7: accepted
-from every admitted connection): the last of them goes on at once, the same one again not before
-50 ms are over. What was cut out is marked by bytes that no frame contains, so that the ends of two
-frames never join to a third.
+Bytes beyond the allowance are dropped, but searched for ``@ZAX0$`` and ``@ZAWF$`` (R7: accepted
+from every admitted connection). The last of these passes at once; the same one again passes only
+after 50 ms. Each cut is marked by bytes that no frame contains, so that the ends of two frames
+never join to a third.
 
-Sans-IO: times are given by who calls. What does not live here: who may connect (links.admission),
+Sans-IO: the caller gives the times. What does not live here: who may connect (links.admission),
 what the frames mean (protocol).
 """
 
@@ -30,7 +30,7 @@ REMEMBERED = 256  # addresses
 
 _ORDER = re.compile(b"|".join(re.escape(frame) for frame in EMERGENCIES.values()))
 _LONGEST = max(map(len, EMERGENCIES.values()))
-BREAK = b"\xff\xff\xff\xff"  # neither text nor a counter of @AW that counts
+BREAK = b"\xff\xff\xff\xff"  # neither text nor a valid counter of @AW
 
 
 @dataclass(slots=True)
@@ -39,7 +39,7 @@ class _Budget:
     octets: Allowance
 
     def fits(self, data: bytes, now: float, share: float) -> int:
-        """How many of the bytes may pass: whole frames, as far as one can tell."""
+        """How many of the bytes may pass: whole frames, as far as can be seen here."""
         self.frames.take(now, 0.0, FRAMES * share, FRAMES_A_SECOND * share)
         self.octets.take(now, 0.0, BYTES * share, BYTES_A_SECOND * share)
         parts = data.split(b"@", int(self.frames.left) + 1)
@@ -55,7 +55,7 @@ class _Budget:
 
 @dataclass(slots=True)
 class _Source:
-    """What is kept of one address. ``tail``: by connection, the end of what came last."""
+    """The state of one address. ``tails``: the end of the last bytes, by connection."""
 
     budget: _Budget
     order: bytes = b""
@@ -68,10 +68,10 @@ class RateLimiter:
     def __init__(self, now: float) -> None:
         self._all = _Budget(Allowance(FRAMES * ALL, now), Allowance(BYTES * ALL, now))
         self._sources: dict[str, _Source] = {}
-        self.dropped = 0  # bytes, of everybody
+        self.dropped = 0  # bytes, of all addresses
 
     def sift(self, heard: list[Rx], now: float, flooded: Callable[[str], None]) -> list[Rx]:
-        """The bytes of one instant that pass, those with an X or W first."""
+        """Return the bytes of one instant that pass, those with an X or W first."""
         out = []
         for rx in heard:
             data, dropped = self.passes(rx, now)
@@ -83,7 +83,7 @@ class RateLimiter:
         return sorted(out, key=lambda rx: _ORDER.search(rx.data) is None)
 
     def passes(self, rx: Rx, now: float) -> tuple[bytes, int]:
-        """What goes on, and how many bytes were dropped."""
+        """Return the bytes that pass, and how many were dropped."""
         source = self._source(host_of(rx.address), now)
         tail = source.tails.get(rx.address, b"")
         fits = source.budget.fits(rx.data, now, 1.0)
@@ -102,7 +102,7 @@ class RateLimiter:
         return passed, len(rest)
 
     def forget(self, address: str) -> None:
-        """A connection is gone; its address keeps its allowance."""
+        """Forget a closed connection; its address keeps its allowance."""
         source = self._sources.get(host_of(address))
         if source is not None:
             source.tails.pop(address, None)
@@ -128,7 +128,7 @@ def host_of(address: str) -> str:
 
 
 def _unfinished(tail: bytes) -> bytes:
-    """The beginning of an X or W with which dropped bytes ended."""
+    """The beginning of an X or W at the end of dropped bytes, b"" if there is none."""
     for length in range(min(len(tail), _LONGEST - 1), 0, -1):
         if any(frame.startswith(tail[-length:]) for frame in EMERGENCIES.values()):
             return tail[-length:]

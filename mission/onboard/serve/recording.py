@@ -1,11 +1,11 @@
 """What a running serve writes to the disk: the black box of its runtime, and its health.
 
     records --FLUSH_S--> black box        Health --EVERY_S--> status.json
-    what it began with --once it has worked--> working
-    parts that are closed --> closing
+    configuration --once it has worked--> working
+    closed parts --> closing
 
-One thread does all of it, so that nobody waits for the disk but the disk. A disk that fails is
-told, and stops nothing. What does not live here: the files' formats (blackbox, health).
+One thread does all of it, so that nothing else waits for the disk. A failing disk is reported, and
+stops nothing. What does not live here: the files' formats (blackbox, health).
 """
 
 from __future__ import annotations
@@ -27,28 +27,28 @@ ClosesParts = Callable[[Path, Path | None], None]  # folder, the part that is be
 
 
 def leave_parts(folder: Path, but: Path | None) -> None:
-    """As they are, for whoever has the time."""
+    """Leave closed parts as they are; they can be converted later."""
 
 
 class Recording:
     def __init__(self, tell: Callable[[str], None], close_parts: ClosesParts = leave_parts) -> None:
         self._tell, self._close_parts = tell, close_parts
-        self._part: Path | None = None  # that is being written
+        self._part: Path | None = None  # the one that is being written
         self.sinks, self.tally = Sinks(tell), Tally()  # what the runtime writes to
         self.sinks.put("the count of faults", self.tally)
         self.box: BlackBox | None = None
-        self._failure = ""  # as it was told
+        self._failure = ""  # as it was last reported
         self.free: int | None = None  # bytes on the disk, None: not known
         self._disk = ThreadPoolExecutor(1, "black box")
 
     @property
     def path(self) -> str:
-        """Of the black box, "" if there is none."""
+        """The path of the black box, "" if there is none."""
         return str(self.box.path) if self.box is not None else ""
 
     def begin(self, folder: Path, wall: float) -> None:
-        """A black box of its own for a runtime that begins; the disk closes the one before, and
-        makes this one: its first word waits for neither."""
+        """Start a black box for a new runtime. The disk's thread closes the previous one and makes
+        this one, so that the first command waits for neither."""
         if self.box is not None:
             self._disk.submit(self.box.close)
         self.box = BlackBox(folder / file_name(wall), wall, shell=True)
@@ -56,7 +56,7 @@ class Recording:
         self.sinks.put("the black box", self.box)
 
     async def keep_box(self) -> None:
-        """Runs until it is cancelled."""
+        """Run until cancelled."""
         while True:
             await asyncio.sleep(FLUSH_S)
             box = self.box
@@ -65,9 +65,9 @@ class Recording:
             # shielded: what was taken is written even when this task is cancelled
             stored = self._disk.submit(box.store, data, True)
             await asyncio.shield(asyncio.wrap_future(stored))
-            if box is not self.box:  # another has begun meanwhile
+            if box is not self.box:  # another box has begun meanwhile
                 continue
-            if box.path != self._part:  # the first, or another: those before it are closed
+            if box.path != self._part:  # a new part: those before it are closed
                 self._part = box.path
                 self._close_parts(box.path.parent, box.path)
             if box.failure != self._failure:
@@ -76,11 +76,11 @@ class Recording:
                 self._tell(f"black box: {self._failure or 'it is written now'}{until}")
 
     async def keep_status(self, folder: Path, look: Callable[[], health.Health | None]) -> None:
-        """Runs until it is cancelled."""
+        """Run until cancelled."""
         loop = asyncio.get_running_loop()
         writing: asyncio.Future[None] | None = None
         while True:
-            how = look()  # by it alarms are told, however slow the disk
+            how = look()  # it also reports alarms, however slow the disk
             if how is not None and (writing is None or writing.done()):
                 writing = loop.run_in_executor(self._disk, self._put, folder, how)
             await asyncio.sleep(health.EVERY_S)
@@ -90,7 +90,7 @@ class Recording:
         self.free = _free(folder)
 
     async def keep_working(self, got: Provision, heard: Callable[[], bool]) -> None:
-        """The configuration, once it has worked; runs until then."""
+        """Keep the configuration once it has worked; run until then."""
         loop = asyncio.get_running_loop()
         is_first = await loop.run_in_executor(self._disk, find, got.homes) is None
         while not (is_first or heard()):

@@ -1,16 +1,16 @@
 """The asyncio shell around the runtime: ports, timers, black box, signals. It decides nothing.
 
-    bytes --Port--Sieve--> Drive.receive --+   (the rate limiter: topside's connections alone)
-    timer -------------> Drive.handle_timer +--> Tx --> Port | nodes | system clock
-    peers -------------> connected, ...  --+     records --every 0.1 s, in a thread--> black box
+    bytes --Port--RateLimiter-> Runtime.receive -+  (RateLimiter: topside's connections alone)
+    timer ----------------> Runtime.handle_timer +--> Tx --> Port | nodes | system clock
+    peers ----------------> connected, ... ------+    records --every 0.1 s, thread--> black box
 
-What an operator should read goes to the journal, how everything is to status.json (health).
-The wall clock and the monotonic clock are read here and nowhere else in the sea's way. The engine's
-time begins with the runtime, the ports' with serve, ``speed`` times as fast as real time (a demo).
-The filter is imported in a thread once the ports are there; until then @AA is refused.
+Messages for an operator go to the journal, the state of everything to status.json (health). This
+package reads the clocks; the runtime gets times with its inputs. The engine's time begins with the
+runtime, the ports' with serve; both run ``speed`` times as fast as real time (a demo). A thread
+imports the filter once the runtime is there; until it is loaded, @AA is refused.
 
-A fault of the program ends the runtime, not the vehicle: it is told, and another begins as
-after a restart (what was under way surfaces, nodes are as at first), with a black box of its own.
+An error of the program ends the runtime, not serve: it is logged, and a new runtime begins as after
+a restart (what was under way surfaces, nodes are as at first), with a black box of its own.
 """
 
 from __future__ import annotations
@@ -52,9 +52,9 @@ from mission.onboard.serve.watchdog import Watchdog
 
 VEHICLE, GPS, GPS2, TOPSIDE, SENSORS = "vehicle", "gps", "gps2", "topside", "sensors"
 NODE_OF = {VEHICLE: "STM32", GPS: "BDGPS", MODEM: "UACM"}
-FIRST_S = 1.0  # real time, that the first W of a restart waits for its port
-REBIRTH_S = 1.0  # real time, between a fault of the program and the next runtime
-EARLY_S = 0.002  # a timer that fires so much too early counts as in time
+FIRST_S = 1.0  # s of real time that the first W after a restart waits for its port
+REBIRTH_S = 1.0  # s of real time between an error of the program and the next runtime
+EARLY_S = 0.002  # s: a timer that fires this much too early counts as in time
 
 
 class Server:
@@ -90,7 +90,7 @@ class Server:
         )
         self._commander: Peer | None = None
         self._runtime: Runtime | None = None
-        self._zero = 0.0  # of the engine's time, in that of the ports
+        self._zero = 0.0  # zero of the engine's time, in the ports' time
         self._timer: asyncio.TimerHandle | None = None
         self._peers: dict[str, frozenset[str]] = {}
         self._tasks: set[asyncio.Task[None]] = set()
@@ -98,7 +98,7 @@ class Server:
         self._announced, self._watchdog = False, Watchdog()
 
     async def run(self) -> None:
-        """Until ``stop``."""
+        """Run until ``stop``."""
         links = self._configuration.links
         urls = {TOPSIDE: listening(links.topside), VEHICLE: links.vehicle, GPS: links.gps}
         urls |= {MODEM: links.modem, SENSORS: links.sensors, GPS2: links.gps2}
@@ -122,12 +122,12 @@ class Server:
         self._spawn(self._recording.keep_status(self._configuration.folder, self._health))
         board = self._ports[VEHICLE]
         self._spawn(self._recording.keep_working(self._got, lambda: board.heard is not None))
-        self._watchdog.ready()  # the runtime lives, whether or not topside can be listened to
+        self._watchdog.ready()  # the runtime runs, even if topside's port cannot be opened
         await self._leaving.ordered.wait()
         await self._end()
 
     def stop(self) -> None:
-        """The first time in order: up first (leaving)."""
+        """End in order the first time: surface first (leaving). The second time, end at once."""
         self._leaving.signal()
 
     def hang_up(self) -> None:
@@ -138,13 +138,13 @@ class Server:
         return self._up() - self._zero
 
     def _up(self) -> float:
-        """The ports' time: no other engine turns it back."""
+        """The ports' time: a new engine does not reset it."""
         return (time.monotonic() - self._began) * self._speed
 
     # --- the runtime ---------------------------------------------------------------------------
 
     async def _begin(self) -> None:
-        """A runtime with its black box, from what the store holds."""
+        """Start a runtime with its black box, from what the store holds."""
         wall = time.time()
         self._recording.begin(self._configuration.log, wall)
         self._zero = self._up()
@@ -168,12 +168,12 @@ class Server:
         self._spawn(self._navigate(self._runtime))
         for rx in self.validation.take_missed(self.now()):
             self._hear(rx)
-            if rx.address not in self._ports[rx.link].peers:  # it has gone meanwhile
+            if rx.address not in self._ports[rx.link].peers:  # it has disconnected meanwhile
                 self._disconnect(rx.link, rx.address)
         self._schedule()
 
     async def _navigate(self, runtime: Runtime) -> None:
-        """The import of the filter and the check takes a while: not in this thread."""
+        """Import the filter and the check in a thread, because that takes a while."""
         try:
             navigation = await asyncio.to_thread(prepare, runtime)
         except Exception as error:
@@ -184,7 +184,7 @@ class Server:
             await asyncio.to_thread(judge_ahead, runtime)
 
     def _do(self, call: Callable[[Runtime], list[Tx]]) -> None:
-        """One input to the runtime, and everything that leaves because of it."""
+        """Give the runtime one input, and send everything that leaves because of it."""
         if self._runtime is None:
             return
         try:
@@ -200,7 +200,7 @@ class Server:
         self._schedule()
 
     def _fault(self, error: Exception) -> None:
-        """Logs an error of the program itself; it never ends serve."""
+        """Log an error of the program itself, and start another runtime; serve continues."""
         self._runtime = None
         if self._timer is not None:
             self._timer.cancel()
@@ -218,7 +218,7 @@ class Server:
     # --- in ----------------------------------------------------------------------------------
 
     def _readable(self, port: Port, due: float = 0.0) -> None:
-        if port.name != VEHICLE:  # behind a stall its reports have waited, too: they come first
+        if port.name != VEHICLE:  # after a stall, its reports have waited, too: they come first
             self._readable(self._ports[VEHICLE])
         heard = [rx._replace(t=rx.t - self._zero) for rx in port.receive(max(self._up(), due))]
         self._meet(port)
@@ -239,7 +239,7 @@ class Server:
             self._ports[rx.link].vouch(rx.address)
 
     def _sifted(self, port: Port, heard: list[Rx]) -> list[Rx]:
-        """What the rate limiter lets pass, bytes with an X or W first."""
+        """Return what the rate limiter lets pass, bytes with an X or W first."""
         for refusal, times in port.refusals().items():
             text = f"topside: {refusal.host} turned away: {refusal.why}"
             self._journal.warning(text, times=times, kind="connections turned away")
@@ -253,7 +253,7 @@ class Server:
             self._part(port)
         elif port.name == MODEM:
             self._meet(port)
-        elif port.name == VEHICLE:  # it was away: the first opening comes before the runtime
+        elif port.name == VEHICLE:  # it was lost: its first opening comes before the runtime
             self._do(lambda runtime: runtime.connected(VEHICLE, "", self.now()))
         elif port.name == TOPSIDE and not self._announced:
             self._announced = True
@@ -284,7 +284,7 @@ class Server:
         )
 
     def _schedule(self) -> None:
-        """One timer for everything that is due next."""
+        """Set one timer for whatever is due next."""
         if self._timer is not None:
             self._timer.cancel()
             self._timer = None
@@ -298,7 +298,7 @@ class Server:
             self._timer = asyncio.get_running_loop().call_later(delay, self._due, due)
 
     def _events(self) -> list[tuple[float, Port]]:
-        """When each port is to be looked at though nothing comes."""
+        """When to check each port even if nothing comes."""
         events = ((port.next_event(), port) for port in self._ports.values())
         return [(event, port) for event, port in events if event is not None]
 
@@ -316,7 +316,7 @@ class Server:
     # --- out ---------------------------------------------------------------------------------
 
     def _hand_over(self, commander: Peer | None) -> None:
-        """R12: the journal has both names."""
+        """Write both names to the journal (R12)."""
         loser, self._commander = self._commander, commander
         if commander is not None:
             self._journal.commands(str(commander), str(loser or ""))
@@ -347,7 +347,7 @@ class Server:
         self._do(lambda runtime: runtime.receive(Rx(self.now(), NODES, answer)))
 
     def _health(self) -> health.Health | None:
-        """How it is now; the counts of the journal's last minute are told as well."""
+        """The health now. The journal also writes the counts whose minute is over."""
         self._journal.settle()
         if self._runtime is None:
             return None
@@ -364,8 +364,8 @@ class Server:
         )
 
     def _see(self) -> Seen | None:
-        """What viewers are shown: the time, the state, the lines of the stored mission; None
-        without a runtime."""
+        """What viewers see: the time, the state, the lines of the stored mission; None without a
+        runtime."""
         if self._runtime is None:
             return None
         state = view(self._runtime, self._alarms.standing, self.now())

@@ -1,4 +1,4 @@
-"""The system's clock, set by @ST where the configuration says so (R10).
+"""Set the system's clock by @ST, if the configuration says so (R10).
 
 What does not live here: reading it (serve).
 """
@@ -10,7 +10,8 @@ from datetime import UTC, datetime
 
 
 def set_system_clock(local: str, utc_offset: float) -> str:
-    """``local``: ``YYYY-MM-DDThh:mm:ss``; ``utc_offset``: s. Why it was not set, "" if it was."""
+    """Set the clock; why it was not set, "" if it was. ``local``: ``YYYY-MM-DDThh:mm:ss``;
+    ``utc_offset``: s."""
     there = datetime.fromisoformat(local).replace(tzinfo=UTC).timestamp()
     try:
         time.clock_settime(time.CLOCK_REALTIME, there - utc_offset)

@@ -2,11 +2,12 @@
 
     decided --(a disk that syncs, a busy Pi)--> left |==frame==|<- gap ->|==frame==|
 
-The runtime reckons with the times of its inputs. A frame that left late would have the next one at
-its heels, and the STM32 takes both for one burst and understands neither. So whoever writes to the
-line keeps the gap, too: what comes too early waits here. X and W drop what waits (R7).
+The runtime plans with the times of its inputs. After a frame that left late the next one would
+follow too closely, and the STM32 would take both for one burst and understand neither. So the
+writer of the line keeps the gap, too: a frame that comes too early waits here. X and W drop the
+frames that wait (R7).
 
-Sans-IO: times are given by who calls. What does not live here: when a frame is due (frontseat).
+Sans-IO: the caller gives the times. What does not live here: when a frame is due (frontseat).
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ from protocol.topside import EMERGENCIES
 
 BITS_PER_BYTE = 10  # 8N1
 BAUD = 9600
-WAITING = 32  # frames; the line has its own backlog, so more than a few never wait
+WAITING = 32  # frames; the frontseat has a queue of its own, so only a few ever wait
 _ORDERS = frozenset(EMERGENCIES.values())
 
 
@@ -26,18 +27,18 @@ class TxSpacer:
 
     def __init__(self, gap: float, baud: float) -> None:
         self._gap, self._seconds_per_byte = gap, BITS_PER_BYTE / baud
-        self._free = float("-inf")  # from when on the line may be used
+        self._free = float("-inf")  # when the line is free
         self._waiting: deque[bytes] = deque(maxlen=WAITING)
 
     def leaving(self, data: bytes, now: float) -> list[bytes]:
-        """What leaves now that this frame is to be sent; ``due`` has the rest."""
+        """Queue this frame; return the frames that leave now. ``due`` returns the rest."""
         if data in _ORDERS:
             self._waiting.clear()
         self._waiting.append(data)
         return self.due(now)
 
     def due(self, now: float) -> list[bytes]:
-        """What has waited long enough; every frame, where none needs a gap."""
+        """Return the frames that have waited long enough; all, if they need no gap."""
         out: list[bytes] = []
         while self._waiting and now >= self._free:
             frame = self._waiting.popleft()
@@ -47,7 +48,7 @@ class TxSpacer:
         return out
 
     def clear(self) -> None:
-        """Drops what waits: it would be out of date when the line is back."""
+        """Drop the frames that wait: they would be stale when the line is back."""
         self._waiting.clear()
 
     def next_event(self) -> float | None:

@@ -1,18 +1,18 @@
-"""Validates an uploaded mission off the event loop, before its last line is acknowledged; X and W
+"""Validate an uploaded mission off the event loop, before its last line is acknowledged; X and W
 overtake it.
 
     bytes --would they complete a set of lines?--no--> runtime
                       |yes
-                      +--> held, with whatever that connection says next; a thread judges the set;
-                           then all of it goes on to the runtime, which finds the verdict ready (R3)
+                      +--> held, with further bytes of that connection; a thread judges the set;
+                           then all of it goes to the runtime, which finds the verdict ready (R3)
 
-A long mission takes seconds to be judged, more on a Pi. Without this the loop would stand still:
-no X would leave, and the service manager would find it hung. An X or W of the same connection
-overtakes what is held, marked by bytes that end a frame that had begun; what stood before it in
-its read is dropped. Out of idle no line is taken: all that is held goes on at once, and the runtime
-refuses what was said before an X or W (R7).
+Judging a long mission takes seconds, more on a Pi. Without this queue the event loop would block:
+no X would leave, and the service manager would find the program hung. An X or W of the same
+connection overtakes the held bytes, marked by bytes that end a frame that had begun; bytes before
+it in the same read are dropped. Outside idle no line is accepted: the held bytes go on at once, and
+the runtime refuses commands that were sent before an X or W (R7).
 
-What does not live here: the verdict, and what is answered (runtime).
+What does not live here: the verdict, and the answers (runtime).
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ from mission.onboard.serve.rate_limiter import BREAK
 from mission.onboard.uncollected import uncollected
 from protocol.tolerances import Tolerances
 
-_TAIL = 1 - LONGEST  # where an X or W may begin that is not whole yet
+_TAIL = 1 - LONGEST  # an incomplete X or W begins here at the earliest
 MISSED = 16  # X and W that wait for a runtime
 _Whose = tuple[str, str]  # link and address
 
@@ -42,12 +42,12 @@ class ValidationQueue:
         spawn: Callable[[Coroutine[Any, Any, None]], None],
         tolerances: Mapping[str, str],
     ) -> None:
-        self._order = orders(Tolerances.parse(tolerances))  # a mission's line may be one: not that
+        self._order = orders(Tolerances.parse(tolerances))  # not in a mission's line
         self._pass_on, self._spawn = pass_on, spawn
         self.held: dict[_Whose, list[Rx]] = {}
         self.gone: dict[_Whose, Callable[[], None]] = {}
         self._missed: list[Rx] = []
-        self._begun: dict[_Whose, Rx] = {}  # what may be the begin of one
+        self._begun: dict[_Whose, Rx] = {}  # what may be the beginning of one
 
     def hear(self, rx: Rx, runtime: Runtime) -> None:
         whose = rx.link, rx.address
@@ -55,7 +55,7 @@ class ValidationQueue:
             tail = _end_of(held)
             heard, behind = tail + rx.data, rx.data
             for found in self._order.finditer(heard):
-                if found.end() <= len(tail):  # it has been passed on
+                if found.end() <= len(tail):  # already passed on
                     continue
                 self._pass_on(rx._replace(data=BREAK + found[0]))
                 behind = BREAK + heard[found.end() :]
@@ -72,7 +72,7 @@ class ValidationQueue:
                 self._let_go(each)
 
     def miss(self, rx: Rx) -> None:
-        """Where there is no runtime: its X and W wait for the next one, the newest of them (R7)."""
+        """Without a runtime: keep the newest X and W for the next one (R7)."""
         begun = self._begun.get((rx.link, rx.address))
         heard = (begun.data if begun else b"") + rx.data
         orders, end = [], 0
@@ -85,13 +85,13 @@ class ValidationQueue:
         self._begun = dict(list(self._begun.items())[-MISSED:])
 
     def take_missed(self, now: float) -> list[Rx]:
-        """And what may go on as one."""
+        """Return the X and W that were kept, and bytes that may continue as one."""
         missed, self._missed = [*self._missed, *self._begun.values()], []
         self._begun.clear()
         return [rx._replace(t=now) for rx in missed if rx.data]
 
     def part(self, link: str, address: str, told: Callable[[], None]) -> None:
-        """A connection is gone: ``told`` once all that it said has been heard."""
+        """A connection has closed: call ``told`` once all its bytes have been passed on."""
         if (link, address) in self.held:
             self.gone[link, address] = told
         else:
@@ -101,7 +101,7 @@ class ValidationQueue:
         self, whose: _Whose, held: list[Rx], lines: tuple[str, ...], runtime: Runtime
     ) -> None:
         loop = asyncio.get_running_loop()
-        with contextlib.suppress(Exception):  # the runtime meets it again, and says so
+        with contextlib.suppress(Exception):  # the runtime meets it again, and reports it
             await loop.run_in_executor(None, _judged, runtime, lines)
         if self.held.get(whose) is held:
             self._let_go(whose)
@@ -118,6 +118,6 @@ def _end_of(held: list[Rx]) -> bytes:
 
 
 def _judged(runtime: Runtime, lines: tuple[str, ...]) -> None:
-    """Ten thousand lines become so many objects that the collector would hold everything up."""
+    """Judge without the collector: ten thousand lines make so many objects that it would block."""
     with uncollected():
         runtime.judge(lines)

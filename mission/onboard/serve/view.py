@@ -1,7 +1,7 @@
 """What viewers see of a running serve: one flat table of values.
 
-Times are the engine's, s; the age of a value is the frame's time less its own, so that what waits
-anywhere grows old. Angles in degrees, lengths in m. None: not known.
+Times are the engine's, s. The age of a value is the frame's time minus its own, so that a delayed
+value shows its age. Angles in degrees, lengths in m. None: not known.
 
 What does not live here: who is sent what (monitor); the health on disk (health).
 """
@@ -27,8 +27,8 @@ _READINGS = ("depth", "altitude", "heading", "pitch", "roll", "speed", "battery"
 
 
 def view(runtime: Runtime, alarms: Iterable[Alarm], now: float | None = None) -> dict[str, Any]:
-    """At ``now`` s, by default the engine's last step. What matters most stands first: a thin radio
-    gets it first."""
+    """The state at ``now`` s, by default at the engine's last step. The most important values stand
+    first, so that a slow radio gets them first."""
     engine, known = runtime.engine, runtime.situation
     now = engine.core.now if now is None else now
     return {
@@ -53,7 +53,7 @@ def view(runtime: Runtime, alarms: Iterable[Alarm], now: float | None = None) ->
 
 
 def _origin(runtime: Runtime) -> list[float] | None:
-    """Home, degrees: what north and east are counted from."""
+    """Home, the origin of north and east, in degrees."""
     navigation = runtime.engine.core.vehicle_state.navigation
     if navigation is None or navigation.frame is None:
         return None
@@ -80,7 +80,7 @@ def _place(runtime: Runtime, now: float) -> dict[str, Any]:
 
 
 def _fixed(runtime: Runtime) -> float | None:
-    """When it last knew its place from outside: by a receiver, or without one by itself."""
+    """When the last fix came; without a receiver, the vehicle's own position."""
     now = runtime.engine.core.now
     age = runtime.situation.fix_age(now)
     return None if age is None else _rounded(now - age)
@@ -115,7 +115,7 @@ def _leg(runtime: Runtime) -> dict[str, Any]:
 
 
 def _arrival(runtime: Runtime, kind: LegKind) -> Iterator[list[Any]]:
-    """What ends a leg that goes to places by itself, and a corner on its way."""
+    """What ends a leg that steers to places, or a corner on its way."""
     row = LEGS[type(kind)]
     if row.ends and (within := row.within(kind)) > 0.0:
         corner = "" if row.ends_at_last and len(row.places(kind)) == 1 else "each corner: "
@@ -123,13 +123,13 @@ def _arrival(runtime: Runtime, kind: LegKind) -> Iterator[list[Any]]:
 
 
 def _guard(runtime: Runtime, guard: Guard) -> list[Any]:
-    """As the mission has it, and what it looks at as that is now, in the unit of a bare number."""
+    """The guard's text, and its variables as they are now, in the unit of a bare number."""
     names = dict.fromkeys(name for term in terms(guard.expression) for name in term.asks)
     return [guard_text(guard, True), {name: _bare(runtime, name) for name in names}]
 
 
 def _bare(runtime: Runtime, name: str) -> float | None:
-    """The reading's value in the unit of a bare number; None where it is not to be believed now."""
+    """The reading's value in the unit of a bare number; None if it is not valid now."""
     reading = runtime.engine.readings[name]
     if not reading.valid or not math.isfinite(reading.value):
         return None

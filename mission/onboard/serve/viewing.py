@@ -1,9 +1,9 @@
 """The monitor's port of a running serve: viewers' bytes in, frames out, five times a second.
 
-It has a port of its own, shares no buffer with the operator's, and nothing that comes in there
-reaches the runtime. Nothing is made while nobody can be sent anything.
+The port is its own, and shares no buffer with the operator's. No byte of a viewer reaches the
+runtime. No frame is made while no viewer can be sent one.
 
-What does not live here: who is sent what (monitor), what a state is made of (view).
+What does not live here: who is sent what (monitor), the content of a state (view).
 """
 
 from __future__ import annotations
@@ -26,8 +26,8 @@ Seen = tuple[float, Mapping[str, Any], Iterable[str]]
 
 
 class Viewing:
-    """``look`` gives what there is to see, None while there is nothing; ``tell`` is told who is
-    sent away."""
+    """``look`` returns what there is to see, None if nothing; ``tell`` gets a line for each viewer
+    that is disconnected."""
 
     def __init__(
         self,
@@ -42,7 +42,7 @@ class Viewing:
         self._seen = 0.0  # the engine's time
 
     def told(self, tell: Callable[[str], None]) -> Callable[[str], None]:
-        """What tells a line of the journal, to viewers, too."""
+        """Return a ``tell`` that sends each line of the journal to viewers, too."""
 
         def both(line: str) -> None:
             tell(line)
@@ -52,7 +52,7 @@ class Viewing:
         return both
 
     async def keep(self) -> None:
-        """Runs until it is cancelled."""
+        """Run until cancelled."""
         port = asyncio.get_running_loop().create_task(self.port.keep_open())
         try:
             while True:
@@ -105,7 +105,7 @@ class Viewing:
         self._meet()
 
     def _meet(self) -> None:
-        """Notes connections that have come and gone."""
+        """Note connections that have opened and closed."""
         there, known = set(self.port.peers), set(self.monitor.viewers)
         for address in there - known:
             self.monitor.connected(address, time.monotonic())

@@ -1,7 +1,7 @@
-"""systemd's protocol: READY=1, STOPPING=1, and WATCHDOG=1 fed by the steps of the runtime.
+"""The notify protocol of systemd: READY=1, STOPPING=1, and WATCHDOG=1 after steps of the runtime.
 
-A datagram to the socket that NOTIFY_SOCKET names; without it, everything here is mute. Times are
-given by who calls. What does not live here: the unit file (docs).
+Each is a datagram to the socket in NOTIFY_SOCKET; without that variable nothing is sent. The caller
+gives the times. What does not live here: the unit file (deploy).
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ import socket
 
 
 class Watchdog:
-    """Speaks to systemd: READY, and WATCHDOG after steps of the runtime. Does nothing without
+    """Notifies systemd: READY, and WATCHDOG after steps of the runtime. Does nothing without
     NOTIFY_SOCKET."""
 
     def __init__(self) -> None:
@@ -22,7 +22,7 @@ class Watchdog:
         self._last, self._owed = float("-inf"), False
 
     def ready(self) -> None:
-        """Said again with each step of the runtime, until somebody takes it."""
+        """Send READY; repeat it with each step of the runtime until it is received."""
         self._owed = not self._notify(b"READY=1")
 
     def stopping(self) -> None:
@@ -36,13 +36,13 @@ class Watchdog:
             self._notify(b"WATCHDOG=1")
 
     def remaining(self, monotonic: float) -> float:
-        """s until the runtime must have made a step, inf without a watchdog."""
+        """Seconds until the runtime must have made a step, inf without a watchdog."""
         if self._every == float("inf"):
             return self._every
         return max(0.0, self._last + self._every - monotonic)
 
     def _notify(self, state: bytes) -> bool:
-        """Whether it was taken."""
+        """Send a state; whether it was received."""
         if not self._address:
             return True
         address = "\0" + self._address[1:] if self._address[0] == "@" else self._address
@@ -50,7 +50,7 @@ class Watchdog:
             contextlib.suppress(OSError),
             socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM | socket.SOCK_CLOEXEC) as out,
         ):
-            out.setblocking(False)  # who does not read it may have died
+            out.setblocking(False)  # the reader may have died
             out.sendto(state, address)
             return True
         return False

@@ -1,13 +1,13 @@
-"""The last configuration that worked, kept beside the store: what an ascent needs when another one
+"""The last configuration that worked, kept beside the store: an ascent needs it if the present one
 cannot be read.
 
-    <folder>/working                 as the store's files: a sum, and JSON
+    <folder>/working                 like the store's files: a checksum, and JSON
     ~/.local/state/auvmission/working-<8 hex of the configuration file's path>
-                                     the same, where nothing but that file says which folder
+                                     the same, if only that file says which folder
 
-It worked when the vehicle was heard with it; the very first is kept without that. Beside the
-configuration and the vehicle it has the vehicle's own words for an ascent, for a program that
-cannot load their codec (lifeboat). What does not live here: when it is used (provision).
+A configuration has worked once bytes of the vehicle were received with it; the very first one is
+kept without that. The file also has the vehicle's commands for an ascent, for a program that cannot
+load the codec (lifeboat). What does not live here: when it is used (provision).
 """
 
 from __future__ import annotations
@@ -32,12 +32,12 @@ class Working:
 
 
 def find(homes: Homes) -> Working | None:
-    """The first that is whole."""
+    """Return the first of the files that is whole, None if none is."""
     return next((found for path in homes.paths() if (found := _read(path)) is not None), None)
 
 
 def keep(working: Working, homes: Homes) -> None:
-    """Where it is not yet. Raises OSError."""
+    """Write it where it is not yet. Raises OSError."""
     text = json.dumps(_plain(working), sort_keys=True)
     for path in homes.places(working.configuration.folder):
         if _text(path) != text:
@@ -50,7 +50,7 @@ def _plain(working: Working) -> dict[str, object]:
     made.take_outputs(v.safe_levels)
     ways: dict[str, list[str]] = {}
     for name, command in (("stop", Order.STOP), ("surface", Order.SURFACE), ("up", UPWARD)):
-        with contextlib.suppress(ValueError):  # the robot on land has no word for up
+        with contextlib.suppress(ValueError):  # the robot on land has no command for up
             ways[name] = [frame.hex() for frame in made.encode(command)]
     return {
         "configuration": to_plain(c),
@@ -69,7 +69,7 @@ def _text(path: Path) -> str | None:
 
 
 def _read(path: Path) -> Working | None:
-    """None for what is not whole, or of another version."""
+    """Read a file; None if it is not whole, or of another version."""
     text = _text(path)
     if text is None:
         return None

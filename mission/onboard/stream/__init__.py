@@ -1,9 +1,9 @@
-"""The one stream of records that whoever looks at a mission sees: at sea, afterwards, rehearsed.
+"""The stream of records behind every view of a mission: at sea, afterwards and in rehearsal.
 
-topics      the table of topics: name, schema, what it says     schemas    words for JSON Schemas
-senses      reports and fixes out of the recorded bytes         wellknown  schemas that others know
-derived     what follows from the records: values, places       plan       a mission's map
-events      what happened, in words, a line each                sinks      who takes records
+topics      the table of topics: name, schema, meaning          schemas    helpers for JSON Schemas
+senses      reports and fixes, decoded from recorded bytes      wellknown  schemas that others know
+derived     values and positions that follow from records       plan       a mission's map
+events      what happened, as a line of text each               sinks      receivers of records
 
 What does not live here: the records themselves (runtime.records), files (blackbox).
 """

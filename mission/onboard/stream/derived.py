@@ -1,12 +1,12 @@
-"""What follows from the records: decoded values, places on the earth, distances to limits, words.
+"""Derive topics from the records: decoded values, positions on the earth, margins to limits, texts.
 
     Derivation: every record of one run of the program, in order --receive--> Messages
 
-Nothing is decided here, and nothing estimated: values are decoded, converted and put side by side,
-rounded to what a sensor can tell (the records keep every bit). The rows of the topics, with the
-unit of each field, are in ``topics``; a maker here gives each its values.
+This module decides and estimates nothing. It decodes, converts and combines values, and rounds them
+to the resolution of a sensor (the records keep every bit). The rows of the topics, with the unit of
+each field, are in ``topics``; a method here makes the values of each.
 
-What does not live here: files (blackbox), words of events (events), maps (plan).
+What does not live here: files (blackbox), texts of events (events), maps (plan).
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ _ACTUATORS: Mapping[str, tuple[str, ...]] = {"auv": auv.ACTUATORS, "rov": rov.TH
 
 @dataclass(frozen=True, slots=True)
 class Message:
-    """Of a derived topic; ``value`` is what its schema says."""
+    """A message of a derived topic; ``value`` follows the topic's schema."""
 
     topic: str
     t: float  # s, the engine's time
@@ -54,8 +54,8 @@ class Message:
 
 
 class Derivation:
-    """``start`` is the record that a run begins with: ValueError, KeyError or TypeError where it
-    is none that this version can read."""
+    """Derives the messages of one run. ``start``: its first record. Raises ValueError, KeyError or
+    TypeError if this version cannot read it."""
 
     def __init__(self, start: Record) -> None:
         self.start = rec.read_start(start)
@@ -68,7 +68,7 @@ class Derivation:
         self._began: float | None = None  # the mission under way
 
     def remember(self, record: Record) -> None:
-        """What is derived from this one is not wanted, but what it says goes on to hold."""
+        """Take in a record for the values that stay in force, without deriving messages."""
         if record.kind == rec.STEP:
             self._step(record)
         elif record.kind in (rec.STANDING, rec.MISSION):
@@ -100,7 +100,7 @@ class Derivation:
 
     @property
     def chart(self) -> Chart | None:
-        """The mission in the store, where this version can read it."""
+        """The mission in the store; None if there is none that this version can read."""
         return self._chart
 
     @property
@@ -134,7 +134,7 @@ class Derivation:
     def _load(self, record: Record) -> Iterator[Message]:
         said = json.loads(record.payload)
         self._chart = None
-        with contextlib.suppress(MissionErrors):  # of this version
+        with contextlib.suppress(MissionErrors):  # this version cannot read it
             if said["digest"]:
                 mission = parse_script(said["lines"], self.start.vehicle)
                 self._chart = compile_mission(mission, self.start.vehicle, said["digest"])
@@ -203,7 +203,7 @@ class Derivation:
             yield Message(topics.POSE, seen.t, pose)
 
     def _place(self, seen: Estimate) -> tuple[float, float] | None:
-        """Degrees, where a position is known."""
+        """Latitude and longitude in degrees; None if no position is known."""
         if self._frame is None or seen.mode is NavigationMode.NONE:
             return None
         latitude, longitude = self._frame.to_geodetic(seen.north, seen.east)
@@ -260,7 +260,7 @@ MARGINS = ("to_depth_m", "to_radius_m", "to_time_s", "to_voltage_v")
 
 
 def radius_95(covariance: tuple[float, float, float]) -> float:
-    """Long half axis of the 95 % ellipse, m, of (nn, ne, ee)."""
+    """Semi-major axis of the 95 % ellipse, m, from the covariance (nn, ne, ee), m^2."""
     nn, ne, ee = covariance
     middle, spread = (nn + ee) / 2.0, math.hypot((nn - ee) / 2.0, ne)
     return PLANE_95 * math.sqrt(max(middle + spread, 0.0))

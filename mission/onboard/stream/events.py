@@ -1,6 +1,6 @@
-"""What happened, in words: a line for each record that a person would want to know of.
+"""What happened, as text: a line for each record that matters to a person.
 
-What does not live here: the dive as a whole (analysis.story), what a running serve tells (journal).
+What does not live here: the dive as a whole (analysis.story), the log of a running serve (journal).
 """
 
 from __future__ import annotations
@@ -18,10 +18,10 @@ from mission.onboard.runtime import records as rec
 from mission.onboard.runtime.runtime import VEHICLE
 from mission.onboard.stream.wellknown import ERROR, INFO, WARNING
 
-HELD = " (held)"  # how the reason of what is said again ends
+HELD = " (held)"  # ends the reason of a repeated command
 HELD_UP = "the surface is reached; it sank when it was let go, so it is held up by upward thrust"
-_LIMIT = "limit "  # how a limit's evaluation begins
-_ANSWER = re.compile(rb"@ACK_([A-Z]{2})([A-Z])\$")  # by modem in an envelope, several at once
+_LIMIT = "limit "  # begins a limit's evaluation
+_ANSWER = re.compile(rb"@ACK_([A-Z]{2})([A-Z])\$")  # a modem's envelope may hold several
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,13 +33,13 @@ class Event:
 
 
 def events_of(record: Record) -> list[Event]:
-    """None for most records."""
+    """The events of a record; an empty list for most records."""
     made = _EVENTS.get(record.kind)
     return [] if made is None else made(record)
 
 
 def frame_text(data: bytes) -> str:
-    """A frame as people read it: as it is where that is possible, else in hexadecimal."""
+    """A frame as text: as it is if it is printable, else in hexadecimal."""
     printable = all(0x20 <= byte < 0x7F for byte in data.rstrip(b"\r\n"))
     return data.decode("ascii").rstrip() if printable else data.hex(" ")
 
@@ -53,7 +53,7 @@ def _start(record: Record) -> list[Event]:
 
 
 def limit_of(step: Step) -> str:
-    """The name of the limit that acted, "" where none did: the event is only what came in then."""
+    """The name of the limit that acted, "" if none did; the event is only that step's input."""
     if step.trigger != "limit":
         return ""
     seen = (one.trigger for one in step.evaluations if one.result)
@@ -61,18 +61,18 @@ def limit_of(step: Step) -> str:
 
 
 def bound_of(limit: str) -> str:
-    """What it means, in words; of another version's limit nobody knows."""
+    """The meaning of a limit, as text; "" for a limit of another version."""
     return f": {LIMITS[limit].bound}" if limit in LIMITS else ""
 
 
 def reason_of(step: Step) -> str:
-    """Why a state was entered, where no edge of the mission tells it: the reason that its command
-    has, the limit that acted, or what came in."""
+    """Why a state was entered, if no edge of the mission tells it: the reason of its command, the
+    limit that acted, or the input."""
     if step.actions:
         return step.actions[0].partition(": ")[2]
     if limit := limit_of(step):
         return f"limit {limit}{bound_of(limit)}{_passed(step, limit)}"
-    if step.trigger == "surfaced":  # without a stop: an ascent that sank again
+    if step.trigger == "surfaced":  # no stop was sent: it sank again after its ascent
         return HELD_UP
     if step.trigger == "forgotten":
         return "no M of the operator for too long"
@@ -80,7 +80,7 @@ def reason_of(step: Step) -> str:
 
 
 def _passed(step: Step, limit: str) -> str:
-    """The depth that a limit of depth saw."""
+    """The depth at which a limit of depth acted, as text."""
     seen = [value for one in step.evaluations for name, value in one.values if name == "depth"]
     return f" (depth {seen[0]:.1f} m)" if "depth" in limit and seen and seen[0] is not None else ""
 
@@ -103,13 +103,14 @@ def _step(record: Record) -> list[Event]:
 
 
 def answers_in(data: bytes) -> Iterator[tuple[str, bool]]:
-    """Each word that these bytes to an operator answer, as ``AA``, and whether they refuse it."""
+    """Yield each command that these bytes to an operator answer, such as ``AA``, and whether they
+    refuse it."""
     for word, letter in _ANSWER.findall(data):
         yield word.decode(), letter == b"N"
 
 
 def _tx(record: Record) -> list[Event]:
-    """What is held was told when it was said first."""
+    """A repeated command gives no event: its first send gave one."""
     tx = rec.read_tx(record)
     if tx.link == VEHICLE:
         if tx.reason.endswith(HELD):

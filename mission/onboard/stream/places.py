@@ -1,6 +1,6 @@
-"""Fixes, poses and what added sensors said in the forms of their topics, for black boxes and views.
+"""Fixes, poses and readings of added sensors as values of their topics, for black boxes and views.
 
-What does not live here: which message is made of which record (derived).
+What does not live here: which record gives which message (derived).
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ _DIGITS: Mapping[str, int] = {
 
 
 def fix_value(fix: Fix) -> Mapping[str, Any]:
-    """Of the topic ``fix``: degrees and metres, null where nothing is known."""
+    """A value of the topic ``fix``: degrees and metres, null if unknown."""
     return {
         "t": fix.t,
         "latitude_deg": math.degrees(fix.latitude),
@@ -47,7 +47,7 @@ _AIDS: Mapping[str, tuple[str, ...]] = {
 
 
 def aid_value(aid: Aid) -> Mapping[str, Any]:
-    """Of the topic ``aid``: null where the sensor is of another kind."""
+    """A value of the topic ``aid``; fields of other kinds of sensors are null."""
     names = [name for kind in _AIDS.values() for name in kind]
     told = aid.values if aid.kind != PLACE else map(math.degrees, aid.values)
     said = dict(zip(_AIDS[aid.kind], told, strict=True))
@@ -55,7 +55,7 @@ def aid_value(aid: Aid) -> Mapping[str, Any]:
 
 
 def fix_place(said: Mapping[str, Any], wall: float) -> wellknown.Value:
-    """Of the topic ``fixes``, from a value of ``fix``; ``wall`` in s since 1970 UTC."""
+    """A value of the topic ``fixes``, from a value of ``fix``; ``wall`` in s since 1970 UTC."""
     accuracy = said["accuracy_m"]
     spread = None if accuracy is None else (accuracy**2, 0.0, accuracy**2)
     place = said["latitude_deg"], said["longitude_deg"]
@@ -71,7 +71,8 @@ def pose_value(
     pitch: float | None,
     roll: float | None,
 ) -> wellknown.Value:
-    """Of the topic ``pose``: m from home, rad; what is not reported is taken to be level."""
+    """A value of the topic ``pose``: m from home, rad. Depth, pitch or roll that is not reported
+    counts as 0."""
     return wellknown.pose(
         wall, HOME, (north, east, depth or 0.0), (heading, pitch or 0.0, roll or 0.0)
     )
@@ -82,12 +83,12 @@ def finite(value: float | None) -> float | None:
 
 
 def degrees(value: float | None) -> float | None:
-    """Of rad."""
+    """Convert rad to degrees; None if the value is missing or not finite."""
     return None if value is None or not math.isfinite(value) else math.degrees(value)
 
 
 def rounded(value: Any, digits: int = 4) -> Any:
-    """0.1 mm, 0.0001 deg; a place and an attitude finer than that."""
+    """Round to 0.1 mm, 0.0001 deg; positions, attitudes and times more finely (_DIGITS)."""
     if isinstance(value, float):
         return round(value, digits)
     if isinstance(value, Mapping):

@@ -1,11 +1,11 @@
 """A mission as a map: home, radius, areas, the lines of its legs, as GeoJSON (RFC 7946).
 
-A leg that steers to places is walked by its own pilot from corner to corner, from where the leg
-before it ended. One that holds a heading goes as far as it is meant to in still water, at its
-planning speed: to the way, the depth or the time that ends it. Rounds are drawn where they lead
-elsewhere; a leg that is for when another fails is not drawn.
+A leg that steers to places is traced by its own pilot from corner to corner, from the end of the
+previous leg. A leg that holds a heading is drawn for still water at its planning speed, up to the
+distance, depth or time that ends it. A further round is drawn only if it leads elsewhere. A leg
+that is entered only when another one fails is not drawn.
 
-What does not live here: a route that was flown (derived), a plan that is flown to be seen
+What does not live here: a route that was flown (derived), a plan that is flown in simulation
 (verification.planned), pictures (report).
 """
 
@@ -38,17 +38,17 @@ from mission.navigation.geodesy import LocalFrame
 from protocol.messages import Setpoint
 
 _CORNERS = 2000  # of one leg, at most
-COVERED = "area to cover"  # what such an area says of itself
-HEADING, PLACES = "heading", "places"  # by what a leg goes: ``by`` of its line
+COVERED = "area to cover"  # the text of such an area
+HEADING, PLACES = "heading", "places"  # how a leg is steered: ``by`` of its line
 _ROUND = 72  # corners of a circle
 _FAILS = (By.TIMEOUT, By.ELSE)
-_SHORTEST = 1.0  # m, that a leg by heading is drawn for
+_SHORTEST = 1.0  # m: a shorter leg by heading is not drawn
 
 Feature = dict[str, Any]
 
 
 def plan_geojson(chart: Chart, vehicle: Vehicle, origin: Position) -> dict[str, Any]:
-    """``origin`` is home. Longitude stands before latitude."""
+    """The mission as GeoJSON. ``origin``: home. Coordinates are longitude, then latitude."""
     frame = LocalFrame(origin)
     features = [_feature(frame, "Point", [(0.0, 0.0)], name="home", what="home")]
     radius = chart.mission.safety.radius
@@ -70,8 +70,8 @@ def plan_geojson(chart: Chart, vehicle: Vehicle, origin: Position) -> dict[str, 
 def routes(
     chart: Chart, vehicle: Vehicle, frame: LocalFrame
 ) -> Iterator[tuple[State, list[Point]]]:
-    """Each leg that leads away, in the order they are meant to be flown, with its corners in metres
-    from home."""
+    """Yield each leg that moves the vehicle, in the planned order, with its corners (north, east)
+    in metres from home."""
     states = {_name(state): state for state in chart.states}
     here, wanted = (0.0, 0.0), _wanted(chart)
     for path, (north, east) in meant(chart.mission, vehicle):
@@ -87,7 +87,7 @@ def routes(
 
 
 def _wanted(chart: Chart) -> set[str]:
-    """The legs that are come to where each before them ends as it is meant to."""
+    """Paths of the legs that are reached if each leg before them ends as planned."""
     ends: dict[str, list[Edge]] = {}
     for edge in chart.edges:
         ends.setdefault(edge.source, []).append(edge)
@@ -102,7 +102,7 @@ def _wanted(chart: Chart) -> set[str]:
 
 
 def _once(found: Iterable[tuple[State, list[Point]]]) -> Iterator[tuple[State, list[Point]]]:
-    """Rounds that lead along the same lines are one, to the decimetre."""
+    """Drop a round along the same lines as an earlier one, to the decimetre."""
     seen = set[tuple[str, tuple[Point, ...]]]()
     for state, corners in found:
         told = state.path, tuple((round(n, 1), round(e, 1)) for n, e in corners)
@@ -160,7 +160,7 @@ def _local(frame: LocalFrame, named: Place) -> Point:
 
 
 def _covered(frame: LocalFrame, chart: Chart) -> Iterator[Feature]:
-    """What legs cover, where it is no area of the mission."""
+    """The areas that legs cover, unless they are areas of the mission."""
     drawn = {area.corners for area in chart.mission.areas}
     for state in chart.states:
         if state.leg is None or not isinstance(state.leg.kind, Cover):
@@ -175,7 +175,7 @@ def _area(frame: LocalFrame, area: Area) -> Feature:
 
 
 def _ring(frame: LocalFrame, places: Sequence[Place], name: str, what: str) -> Feature:
-    """Counterclockwise, its last corner is its first."""
+    """A polygon, counterclockwise; its last corner is its first."""
     corners = [_local(frame, corner) for corner in places]
     twice = sum(a[1] * b[0] - b[1] * a[0] for a, b in pairwise([*corners, corners[0]]))
     ring = [*corners, corners[0]][:: 1 if twice > 0.0 else -1]

@@ -1,9 +1,9 @@
-"""Words for JSON Schemas: every field with its unit and what it says.
+"""Helpers to write JSON Schemas: every field with its unit and its meaning.
 
     table(t=number("s", "the engine's time"), depth_m=number("m", "as reported", known=False))
 
-``known`` False: null where it is not known. A table has all its fields, and no others. The unit is
-a key of its own, too, which validators pass over.
+``known`` False: the value is null if it is unknown. A table has all its fields that are not
+optional, and no others. The unit is also a key of its own, which validators ignore.
 """
 
 from __future__ import annotations
@@ -50,12 +50,12 @@ def listed(of: Schema, says: str, *, known: bool = True) -> Schema:
 
 
 def named(of: Schema, says: str) -> Schema:
-    """A table whose names are not known beforehand."""
+    """A table whose names are not known in advance."""
     return _said({"type": "object", "additionalProperties": of}, says)
 
 
 def absent(of: Schema) -> Schema:
-    """It, or null."""
+    """A schema that also allows null."""
     return {"anyOf": [of, {"type": "null"}]}
 
 

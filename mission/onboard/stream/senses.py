@@ -1,6 +1,6 @@
-"""Reports, fixes and what added sensors said, out of recorded bytes by the decoders that flew.
+"""Decode reports, fixes and added sensors from recorded bytes, with the decoders used in flight.
 
-What does not live here: files (blackbox), deciding anything again (analysis.replay).
+What does not live here: files (blackbox), repeating the decisions (analysis.replay).
 """
 
 from __future__ import annotations
@@ -15,11 +15,11 @@ from protocol.messages import Aid, Fix, Telemetry
 from protocol.vehicles import codec
 
 Sensed = Telemetry | Fix | Aid
-CLOCKS = frozenset({rec.RX, rec.TIMER})  # kinds that tell the time
+CLOCKS = frozenset({rec.RX, rec.TIMER})  # kinds by which the decoders know the time
 
 
 class Senses:
-    """Of one run of the program: every record in order, with or without gaps."""
+    """The decoders of one run of the program: give them every record in order; gaps are allowed."""
 
     def __init__(self, vehicle: Vehicle) -> None:
         self._board, self._gps = codec(*vehicle.speaks), Receivers()

@@ -1,7 +1,7 @@
-"""Who takes records: the black box, a monitor, whoever else. One row each.
+"""The receivers of records: the black box, a monitor and others, one row each.
 
-The runtime hands a record over and never waits: a sink keeps it and does its work elsewhere. One
-that fails loses that record, which is told once; the others and the runtime go on.
+The runtime hands a record over and never waits: a sink stores it and does its work elsewhere. If a
+sink raises, it loses that record, which is reported once; the others and the runtime continue.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from mission.onboard.runtime.records import Recorder
 
 
 class Sinks:
-    """A Recorder of many. ``tell`` gets what an operator should know."""
+    """A Recorder that forwards to many. ``tell`` gets what an operator should know."""
 
     def __init__(self, tell: Callable[[str], None]) -> None:
         self._tell = tell
@@ -21,7 +21,7 @@ class Sinks:
         self._failed: set[str] = set()
 
     def put(self, name: str, sink: Recorder | None) -> None:
-        """In place of the one with that name; None: without it."""
+        """Set the sink with that name; None removes it."""
         self._rows.pop(name, None)
         if sink is not None:
             self._rows[name] = sink

@@ -1,10 +1,10 @@
-"""The table of topics: what a black box holds, and what follows from it.
+"""The table of topics: those that a black box holds, and those derived from them.
 
-    RAW       what the runtime records, a topic per kind; numbers of channels are places in it
-    DERIVED   what a reader, or the closing of a part, makes of these (derived)
+    RAW       what the runtime records, a topic per kind; its place here is its channel number
+    DERIVED   what a reader, or the conversion of a closed part, makes of these (derived)
 
-A new topic is a row, and its maker in ``derived``; the reference page is written from the rows.
-What does not live here: payloads (runtime.records), the makers (derived).
+A new topic is a row, and a method in ``derived``; the reference page is generated from the rows.
+What does not live here: payloads (runtime.records), how values are derived (derived).
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
-"""Schemas that Foxglove and its like know by their names, as JSON, and values in their forms.
+"""JSON Schemas that Foxglove and similar programs know by name, and values of these schemas.
 
-Source: the JSON Schemas of the package @foxglove/schemas, the fields that are used here.
+Source: the JSON Schemas of the package @foxglove/schemas, reduced to the fields used here.
 """
 
 from __future__ import annotations
@@ -15,8 +15,8 @@ Value = Mapping[str, Any]
 
 LOCATION_FIX, POSE_IN_FRAME = "foxglove.LocationFix", "foxglove.PoseInFrame"
 LOG, GEO_JSON = "foxglove.Log", "foxglove.GeoJSON"
-INFO, WARNING, ERROR = 2, 3, 4  # of a Log
-_UNKNOWN, _KNOWN = 0, 3  # of a covariance: none, all of it
+INFO, WARNING, ERROR = 2, 3, 4  # levels of a Log
+_UNKNOWN, _KNOWN = 0, 3  # types of a covariance
 
 _STAMP = table("wall time", sec=count("s since 1970 UTC"), nsec=count("ns"))
 _NUMBER: Schema = {"type": "number"}
@@ -61,7 +61,7 @@ SCHEMAS: Mapping[str, Schema] = {
 
 
 def stamp(wall: float) -> Value:
-    """``wall`` in s since 1970 UTC."""
+    """A timestamp. ``wall``: s since 1970 UTC."""
     sec = math.floor(wall)
     return {"sec": sec, "nsec": min(int((wall - sec) * 1e9), 999_999_999)}
 
@@ -74,7 +74,7 @@ def location(
     altitude: float,
     covariance: tuple[float, float, float] | None,
 ) -> Value:
-    """``covariance`` is (nn, ne, ee) of north and east, m^2."""
+    """A LocationFix. ``covariance``: (nn, ne, ee) of north and east, m^2."""
     nn, ne, ee = covariance or (0.0, 0.0, 0.0)
     return {
         "timestamp": stamp(wall),
@@ -88,8 +88,8 @@ def location(
 
 
 def pose(wall: float, frame: str, place: Sequence[float], angles: Sequence[float]) -> Value:
-    """``place`` is north, east, depth in m; ``angles`` are heading (clockwise from north), pitch
-    (nose up) and roll (starboard down) in rad."""
+    """A PoseInFrame. ``place``: north, east, depth in m; ``angles``: heading (clockwise from
+    north), pitch (nose up) and roll (starboard down) in rad."""
     north, east, depth = place
     return {
         "timestamp": stamp(wall),
@@ -102,7 +102,7 @@ def pose(wall: float, frame: str, place: Sequence[float], angles: Sequence[float
 
 
 def _quaternion(heading: float, pitch: float, roll: float) -> tuple[float, float, float, float]:
-    """Yaw counts from east to north, nose up is a negative turn about port."""
+    """(x, y, z, w). Yaw counts from east to north; nose up is a negative turn about port."""
     yaw, tilt = math.pi / 2.0 - heading, -pitch
     cy, sy = math.cos(yaw / 2.0), math.sin(yaw / 2.0)
     cp, sp = math.cos(tilt / 2.0), math.sin(tilt / 2.0)

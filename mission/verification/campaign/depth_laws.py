@@ -25,6 +25,7 @@ from collections.abc import Iterator
 from itertools import compress, pairwise
 
 from mission.model import STOPPED, SURFACED, SURFACING, Tx
+from mission.verification.campaign.excuses import LIFT_WORD, value_of
 from mission.verification.campaign.laws import Violation
 from mission.verification.campaign.story import (
     DOWN_WORD,
@@ -34,6 +35,7 @@ from mission.verification.campaign.story import (
     Story,
     apart,
 )
+from mission.verification.campaign.trial import fault_ends
 
 SUNK = "sunk"
 DEPTH_FAULTS = ("depth_",)
@@ -59,6 +61,8 @@ _MOSTLY = 0.9  # share of the seconds
 _KNOWN_OVER = 12.0  # s of reports until a roll-over is known
 _TRIED, _LED = 9.0, 2.0  # s of a turn, m: R7's metre, two errors of the sensor, an old report
 _WAYS = (*UPWARD_WORDS, STOP_WORD, DOWN_WORD)
+_TRIES = 3  # of a command (R1)
+_SINKS_ON = 8.0  # s from an X0 that U12 follows late, until its thrust has turned the sinking round
 _SPARE = 8.0  # N of lift that raise the vehicle within a turn
 _OUT_OF_HAND = (
     *("stm32_", "command_", "unexplained_dive", "deaf_to", "dives_until", "obeys_late"),
@@ -271,12 +275,28 @@ def _is_held_up(story: Story) -> Iterator[Violation]:
             free = story.hindered(begin, stay.begin) or story.faulty(
                 (*_OUT_OF_HAND, *DEPTH_FAULTS, "capsized", "listing"), begin, stay.begin
             )
+            free = free or _misses_its_lift(story, stay.begin)
             sinks = story.deepest(begin, stay.begin) > _AFLOAT
             if again and sank and sinks and not free:
                 yield Violation(SUNK, stay.begin, "sank out of surfaced again: it was not held up")
             sank = again or (sank and _by_itself(stay))
         elif story.auto_closed(stay.begin, stay.end):
             sank = False
+
+
+def _misses_its_lift(story: Story, t: float) -> bool:
+    """Whether a board that was busy with an X0 received none of the three tries of its U12.
+
+    Then no thruster turns until U12 is repeated 1.5 s later (R7), and a heavy vehicle sinks.
+    """
+    for busy in story.faults(("busy",), t - _SINKS_ON, t):
+        for stop in story.words_in(t - _SINKS_ON, t):
+            if stop.data != STOP_WORD or not busy.begin < stop.t < min(t, fault_ends(busy)):
+                continue
+            deaf = story.words_in(stop.t, stop.t + value_of(busy))
+            if sum(word.data == LIFT_WORD for word in deaf) >= _TRIES:
+                return True
+    return False
 
 
 def _by_itself(stay: Stay) -> bool:

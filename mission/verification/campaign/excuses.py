@@ -47,7 +47,7 @@ _ANSWERED = 6.5  # s within which a switch is acknowledged
 _REPORTED = 2.0  # s within which a board reports a depth
 _UPWARD = {"documented": frozenset("UW"), "as-built": frozenset("U")}  # as built, W does not stick
 _RESTS = (STOPPED, SURFACED, MANUAL_WAITING)
-_SWITCHED, _UP = b"@ACK_NSS$", b"@ZAU12$"
+_SWITCHED, LIFT_WORD = b"@ACK_NSS$", b"@ZAU12$"
 _NEWS = 20.0  # s within which a receiver must report a new place (R7)
 _TURNED = 110.0  # deg of error that read as upside down: 120 (R7), less the true roll
 _ROLLS = math.radians(8.0)  # rad: thrust adds it to a roll that a weight holds
@@ -102,7 +102,9 @@ def lift(settings: Settings, profile: str, t: float) -> float:
 def obeys_no_stop(settings: Settings, events: Sequence[Event]) -> bool:
     """Whether a board dives until it receives a U12, which nothing sends at the surface."""
     begins = [f.begin for f in settings.faults if f.name == "dives_until_up"]
-    said = max((e.t for e in events if isinstance(e, Tx) and e.data == _UP), default=-math.inf)
+    said = max(
+        (e.t for e in events if isinstance(e, Tx) and e.data == LIFT_WORD), default=-math.inf
+    )
     return any(said < begin for begin in begins)
 
 
@@ -113,7 +115,7 @@ def spoils_a_turn(dive: FaultEvent, events: Sequence[Event]) -> bool:
     """
     by = dive.begin + _TICK
     words = [e.data for e in events if isinstance(e, Tx) and e.link == VEHICLE and e.t <= by]
-    return bool(words) and words[-1] in (_UP, _CURES.get(dive.name))
+    return bool(words) and words[-1] in (LIFT_WORD, _CURES.get(dive.name))
 
 
 def helpless(settings: Settings, profile: str, end: float) -> int:

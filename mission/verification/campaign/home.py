@@ -17,6 +17,7 @@ import math
 from links.simulated.settings import Settings
 from mission.model import AUTONOMOUS, SURFACED, SURFACING, Step, Tx
 from mission.verification.campaign.excuses import (
+    LIFT_WORD,
     NEVER,
     NOT_MISLED,
     SLIGHT,
@@ -42,6 +43,8 @@ AFLOAT = 0.5  # m (R7)
 HELD = 3.0  # m: depth of a body that its thrusters hold up
 SANK = 0.6  # m: 1 m by a sensor that may be 0.4 m off (R7, at rest)
 UNDER, ENDED = 0.3, 6  # m, s: an antenna under water, fixes missing for so long
+WASHED = 2  # s at most from a wave over the antenna to the next fix
+PUSHED = 14.0  # s of a push in vain that contradict a depth (R5)
 UNSEEN = 60.0  # s after letting go in which the end of the fixes counts (R7, at rest)
 RECEIVER_OFF = b"BDGPS C"  # to the receiver's node
 TOLD = 10  # s until the end of the fixes shows it (R7, at rest)
@@ -129,16 +132,16 @@ def _may_turn(trial: Trace, settings: Settings) -> bool:
     if obeys_no_stop(settings, trial.events) or dives_unseen(settings, trial.truth.t):
         return True
     said = any(f.name.startswith(("depth_", "gps_")) for f in settings.faults)
-    return trial.state == SURFACED and (said or _sank(trial, beside(settings)))
+    return trial.state == SURFACED and (said or _sank(trial, settings))
 
 
-def _sank(trial: Trace, more: float) -> bool:
+def _sank(trial: Trace, settings: Settings) -> bool:
     """Whether the vehicle sank out of surfaced and was brought up without an order.
 
-    It sank in truth, or by a depth that may read ``more`` m deeper. The end of the fixes shows that
-    later; so does a receiver that an operator switches off, or whose line is pulled.
+    It sank in truth, or by a depth that may read deeper. The end of the fixes shows that later; so
+    does a receiver that an operator switches off, or whose line is pulled.
     """
-    before, off, sank = "", -math.inf, False
+    before, off, sank, more = "", -math.inf, False, beside(settings)
     for event in trial.events:
         if isinstance(event, Tx) and event.data == RECEIVER_OFF:
             off = event.t
@@ -154,7 +157,26 @@ def _sank(trial: Trace, more: float) -> bool:
             any(p.depth + more > SANK for p in seen),
             all(p.depth > UNDER for p in seen[-ENDED:]),
         )
+        under = under or _is_washed(trial, settings, event.t)
         sank = sank or (again and (deep or under or event.t - off < UNSEEN))
         sank = sank and state in (SURFACED, SURFACING)  # until the stick or a clear ends it
         before = state
     return sank
+
+
+def _is_washed(trial: Trace, settings: Settings, t: float) -> bool:
+    """Whether a board that dives by itself, and waves, have hidden the antenna until ``t``.
+
+    The board pushes down a hull that stays at the surface. So the depth is contradicted, and the
+    end of the fixes counts (R5, R7). Each wave over the antenna costs up to ``WASHED`` s.
+    """
+    lifts = [e.t for e in trial.events if isinstance(e, Tx) and e.data == LIFT_WORD and e.t < t]
+    dives = [f for f in settings.faults if f.name == "dives_until_up" and f.begin <= t - PUSHED]
+    if all(any(lift >= f.begin for lift in lifts) for f in dives):
+        return False
+    crest = 0.5 * settings.sea.waves[0]  # m over a hull that floats
+    second = int(t)
+    return all(
+        any(place.depth + crest > UNDER for place in trial.track[max(i - WASHED, 0) : i + 1])
+        for i in range(second - ENDED + 1, second + 1)
+    )

@@ -31,6 +31,7 @@ from protocol.messages import Order, Setpoint
 
 UNANSWERED = "unanswered"
 SPARE = 2  # reports more than the rule asks for
+_EDGE = 2  # reports more where the roll is about 90 degrees
 _DEPTH, _ROLL = 1.0 + 0.5, math.radians(6.0)  # m and rad beyond the bound
 _BLIND, _UNDER = 10.5, 1.0  # s and m: 6 s without a depth, from the next report on
 _CLOGGED = 6.5  # m
@@ -51,12 +52,16 @@ _AFLOAT = 1.0  # m
 
 @dataclass(frozen=True, slots=True)
 class _Limit:
-    """``passed`` of (story, stay, told): whether truly passed by more than sensors explain."""
+    """``passed`` of (story, stay, told): whether truly passed by more than sensors explain.
+
+    ``more`` of (story, t): reports that the rule asks for beside ``reports``.
+    """
 
     name: str
     passed: Callable[[Story, Stay, Told], bool]
     reports: int
     faults: tuple[str, ...] = ()
+    more: Callable[[Story, float], int] = lambda story, t: 0
 
 
 def limit_laws(story: Story) -> Iterator[Violation]:
@@ -80,7 +85,8 @@ def _by_report(story: Story, flight: list[Stay], limit: _Limit) -> Iterator[Viol
     for stay in flight:
         for told in story.samples_in(stay.begin, stay.end):
             seen = seen + 1 if limit.passed(story, stay, told) else 0
-            if seen <= limit.reports + SPARE or story.hindered(told.t - 10.0, told.t):
+            asked = limit.reports + limit.more(story, told.t)
+            if seen <= asked + SPARE or story.hindered(told.t - 10.0, told.t):
                 continue
             if not story.faulty(limit.faults, told.t - 10.0, told.t):
                 says = f"{limit.name} passed in {seen} reports, and still in {stay.state}"
@@ -97,9 +103,18 @@ def _roll(story: Story, stay: Stay, told: Told) -> bool:
     return story.tilt(told.t) > story.vehicle.limits.roll + _ROLL
 
 
+def _on_edge(story: Story, t: float) -> int:
+    """Return the reports more that a roll of about 90 degrees takes.
+
+    Reports of more than 90 degrees are believed from the third in a row on (R5). A report of less
+    restarts that row, and counts as one of the two samples. So the sixth report acts at the latest.
+    """
+    return _EDGE if abs(story.tilt(t) - math.pi / 2.0) < _ROLL else 0
+
+
 _BY_REPORT = (
     _Limit("depth", _depth, 2, DEPTH_FAULTS),
-    _Limit("roll", _roll, 2, ("attitude_", "roll_")),
+    _Limit("roll", _roll, 2, ("attitude_", "roll_"), _on_edge),
 )
 
 

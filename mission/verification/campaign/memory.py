@@ -47,6 +47,10 @@ class Memory:
             pages = int(_STATM.read_text().split()[1])
             self.resident.append(pages * resource.getpagesize() / _MEGABYTE)
 
+    def __str__(self) -> str:
+        found = [f"{name} {share:+.1%}" for name, share in self.growth.items() if share is not None]
+        return f"growth: {', '.join(found) or 'not judged yet'}"
+
     @property
     def growth(self) -> dict[str, float | None]:
         """Return the growth over the whole soak, as shares."""

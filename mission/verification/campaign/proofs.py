@@ -220,7 +220,7 @@ def _proved(claim: Claim, vehicle: Vehicle, proof: Proof) -> Margin:
     depth = proved.blind_depth if faults else proved.max_depth
     longer = proved.blind_time if any(name.endswith(LOOKS_WELL) for name in faults) else 0.0
     if any(event.name.startswith(_DARK) for event in proof.settings.faults):
-        longer += proved.dark_time
+        longer += min(proved.dark_time, FOREVER)
     if any(name.startswith("depth_") for name in faults) and not _has_fixes(claim, proof):
         longer += FOREVER
     battery = vehicle.battery

@@ -29,6 +29,7 @@ from mission.verification.workers import working
 from mission.verification.workers.kept import Kept
 from mission.verification.workers.outcome import Lost
 from mission.verification.workers.places import Place
+from mission.verification.workers.progress import Progress
 
 GENERATION, STEERED = 18, 6  # flights after the first round; of them neighbours, at most
 Searched = tuple[FlightResult, dict[str, float]]  # with the margins, by law
@@ -102,10 +103,11 @@ def flown(
     known: Sequence[Subject],
     at: Place,
     kept: Kept[Searched] | None = None,
+    progress: Progress | None = None,
 ) -> Iterator[tuple[str, FlightResult | Lost]]:
     """Fly ``most`` flights that ``search`` asks for; yield their names and results."""
     work = functools.partial(fly_named, seed, known)
-    with working(work, at, kept=kept) as batch:
+    with working(work, at, kept=kept, progress=progress) as batch:
         while most > 0:
             names = search.generation()[:most]
             most -= len(names)

@@ -11,7 +11,9 @@ memory counts as grown (memory).
 
 from __future__ import annotations
 
+import math
 import tempfile
+import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -31,6 +33,8 @@ from mission.verification.campaign.trial import try_out
 from mission.verification.rig.acts import Act, Disturbance
 from mission.verification.rig.program import FillableStore, Program
 from mission.verification.rig.trace import Event, Trace
+from mission.verification.workers.progress import pace
+from mission.verification.workers.telling import tell
 
 DAY = 86400.0
 PART = 4 << 20  # bytes of one part of the black box
@@ -38,6 +42,7 @@ LULL = 600.0  # s at most between two missions, adrift
 _MEGABYTE = 1 << 20
 _CLEAN = (b"@NSOOOCCO$", b"@SP,2000,240,100,10,$", b"@AC$")
 RECENT = 5.0  # s: bytes of a flight may come from the last seconds of the one before
+EVERY = 10.0  # s between two lines of progress, at least
 
 
 @dataclass(slots=True)
@@ -94,11 +99,41 @@ def soak(
     box = BlackBox(folder / "soak.mcap", limit=PART)
     soaked = Soaked()
     try:
-        _fly_on(soaked, days, seed, subjects, vehicle, box, told, calmly)
+        _fly_on(soaked, days, seed, subjects, vehicle, calmly, box, told)
     except KeyboardInterrupt:
         soaked.interrupted = True
     box.close()
     return soaked
+
+
+class Telling:
+    """Tells missions that break a law at once (``story``), and every EVERY s how far the soak is
+    (``progress``)."""
+
+    def __init__(
+        self,
+        days: float,
+        seed: int,
+        vehicle: str,
+        calmly: bool,
+        story: Callable[[str], None],
+        progress: Callable[[str], None],
+    ) -> None:
+        self._days, self._seed, self._of = days, seed, (vehicle, calmly)
+        self._story, self._progress = story, progress
+        self._begun = self._told = time.monotonic()
+
+    def __call__(self, soaked: Soaked, result: FlightResult) -> None:
+        for line in story(soaked, result, self._seed, *self._of):
+            self._story(line)
+        now = time.monotonic()
+        if now - self._told >= EVERY:
+            self._told = now
+            left = max(self._days - soaked.days, 0.0)
+            done = f"seed {self._seed}: {soaked.days:.2f} of {self._days:g} days"
+            how = f"{soaked.missions} missions, {soaked.totals.broken} broken"
+            rate = pace(soaked.days, left, now - self._begun)
+            self._progress(f"{done}, {rate}, {how}, {soaked.memory}")
 
 
 def soak_alone(
@@ -106,9 +141,11 @@ def soak_alone(
 ) -> Summary:
     """Run one of several soaks, in any process."""
     stories: list[str] = []
+    telling = Telling(days, seed, vehicle.name, calmly, tell, tell)
 
     def told(soaked: Soaked, result: FlightResult) -> None:
         stories.extend(story(soaked, result, seed, vehicle.name, calmly))
+        telling(soaked, result)
 
     with tempfile.TemporaryDirectory(prefix="soak-") as folder:
         soaked = soak(days, seed, subjects, vehicle, Path(folder), told, calmly=calmly)
@@ -126,8 +163,12 @@ def story(
         yield f"mission {result.number}: {result.words}"
         for v in result.violations:
             yield f"  {v.kind} at {v.t:.1f} s: {v.says}"
-        of = f"{' --calm' * calmly}{'' if vehicle == 'auv' else f' --vehicle {vehicle}'}"
-        yield f"  again: auvmission faults{of} --seed {seed} --soak {soaked.days:.2f}"
+        yield again(seed, vehicle, calmly, f"{math.ceil(100 * soaked.days) / 100:.2f}")
+
+
+def again(seed: int, vehicle: str, calmly: bool, days: str) -> str:
+    of = f"{' --calm' * calmly}{'' if vehicle == 'auv' else f' --vehicle {vehicle}'}"
+    return f"  again: auvmission faults{of} --seed {seed} --soak {days}"
 
 
 def _fly_on(
@@ -136,9 +177,9 @@ def _fly_on(
     seed: int,
     subjects: Sequence[Subject],
     vehicle: Vehicle,
+    calmly: bool,
     box: BlackBox,
     told: Callable[[Soaked, FlightResult], None],
-    calmly: bool,
 ) -> None:
     rng = Random(f"soak {seed}")
     program = _program(vehicle, box)

@@ -63,10 +63,19 @@ def _is_told(story: Story, stay: Stay, unasked: list[Tx]) -> Iterator[Violation]
     parts = any(d.act is Act.PART for d in story.done)
     if stay.end <= due or parts or story.hindered(t - 2.0, due) or _is_stuck(story, t):
         return
-    if _says_deep(story, t):
+    if _says_deep(story, t) or _is_alone(story, t):
         return
     if not any(a.link == TOPSIDE and t - SAME <= a.t <= due for a in unasked):
         yield Violation(UNLAWFUL, t, "at the surface, and nobody was told")
+
+
+def _is_alone(story: Story, t: float) -> bool:
+    """Whether no boat has connected since the program ended: connections end with it.
+
+    The status is sent once. It then leaves by modem, or to nobody.
+    """
+    last = [d.act for d in story.done if d.t <= t and d.act in (Act.KILL, Act.JOIN)]
+    return last[-1:] == [Act.KILL]
 
 
 def _says_deep(story: Story, t: float) -> bool:

@@ -20,7 +20,14 @@ from mission.model import STOPPED, SURFACED, SURFACING, By
 from mission.model.regions import EMERGENCY, MANUAL
 from mission.model.vehicle import STALE_AFTER
 from mission.verification.campaign.depth_laws import DEPTH_FAULTS
-from mission.verification.campaign.excuses import NEVER_BELIEVED, SLIGHT, WANDERING, beside, lift
+from mission.verification.campaign.excuses import (
+    NEVER_BELIEVED,
+    SLIGHT,
+    WANDERING,
+    beside,
+    lift,
+    value_of,
+)
 from mission.verification.campaign.laws import Violation
 from mission.verification.campaign.story import AGAIN, SAME, Stay, Story
 from mission.verification.rig.acts import Act
@@ -32,6 +39,7 @@ _SHALLOW, _AFLOAT, _FIXED = 1.0, 4.0, 0.4  # m, in the s before; m that allow a 
 _REPORTS = 2.0  # s between two reports
 _NEARLY = 1.2  # m: 0.8 (R7), and the sensor
 _NEW = 20.0  # s after a restart in which no place has come twice
+_FIRST_FIX = 1.5  # s from the begin of a fault to its first fix: one a second, and its time
 _DOUBTED = 40.0  # s
 _OVER, _NO_FIXES = 60.0, ("gps", "capsized", "listing")  # s; faults that hide fixes
 _START, _START_FREE, _CLEAR = 1.1, 2.6, 1.1  # m
@@ -90,6 +98,7 @@ def _is_at_surface(story: Story, stay: Stay) -> Iterator[Violation]:
     unknown = in_vain or not story.told_in(t - 6.0, t) or story.faulty(DEPTH_FAULTS, t - 20.0, t)
     wanders = story.faulty(WANDERING, t - 20.0, t)
     repeats = story.faulty(REPEATING, t - 20.0, t) and story.hindered(t - _NEW, t)
+    repeats = repeats or _come_round(story, t)
     if (wanders or repeats) and story.depth(t) < _NEARLY + beside(story.settings):
         return  # nothing contradicts fixes as at the surface
     if wanders and unknown and _may_be_up(story, stay):
@@ -99,6 +108,22 @@ def _is_at_surface(story: Story, stay: Stay) -> Iterator[Violation]:
             f"surfaced, said {story.depth(t):.1f} m deep, {story.depth(t - _AFLOAT):.1f} m before"
         )
         yield Violation(UNLAWFUL, t, says)
+
+
+def _come_round(story: Story, t: float) -> bool:
+    """Whether a receiver sends its old places for the first time since the program began.
+
+    No fix has come since then, because the vehicle was under water until the fault began. So none
+    of these places has come twice to this program.
+    """
+    booted = max((done.t for done in story.done if done.act is Act.BOOT and done.t < t), default=t)
+    for fault in story.faults(REPEATING, booted, t):
+        places = value_of(fault) if fault.name == "gps_in_turn" else 1.0
+        times = (booted, *range(math.ceil(booted), int(fault.begin) + 1), fault.begin)
+        under = all(story.depth(at) > _FIXED + story.settings.sea.waves[0] for at in times)
+        if booted < fault.begin and under and t <= fault.begin + places + _FIRST_FIX:
+            return True
+    return False
 
 
 def _is_over(story: Story, stay: Stay) -> Iterator[Violation]:

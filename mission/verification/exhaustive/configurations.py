@@ -21,7 +21,7 @@ from pathlib import Path
 from typing import Any
 
 from mission.authoring.language import script
-from mission.authoring.prepare import Prepared, prepare
+from mission.authoring.prepare import Prepared
 from mission.model import (
     AUTONOMOUS,
     IDLE_EMPTY,
@@ -84,22 +84,21 @@ class Ground:
         return Path(self.prepared.source).name
 
 
-def profiles_of(path: Path, vehicle: str | None = None) -> tuple[str, ...]:
-    """Return the profiles of the mission's vehicle. Raises Unreadable, or Unreachable if this
-    proof does not have the bytes of that vehicle."""
-    named = prepare(path, vehicle).vehicle
+def profiles_of(prepared: Prepared) -> tuple[str, ...]:
+    """Return the profiles of the mission's vehicle. Raises Unreachable if this proof does not have
+    the bytes of that vehicle."""
+    named = prepared.vehicle
     if named.codec not in SPOKEN:
         raise Unreachable(
-            f"{path}: for {named.name}, and this proof speaks the bytes of {', '.join(SPOKEN)} "
-            "alone; auvmission check takes every vehicle"
+            f"{prepared.source}: for {named.name}, and this proof speaks the bytes of "
+            f"{', '.join(SPOKEN)} alone; auvmission check takes every vehicle"
         )
     return PROFILES.get(named.codec, (named.dialect,))
 
 
-def ground(path: Path, profile: str, vehicle: str | None = None) -> Ground:
-    """Set up a mission on one of its ``profiles_of``. Raises Unreadable, or Unreachable if the
-    mission does not start."""
-    prepared = prepare(path, vehicle)
+def ground(prepared: Prepared, profile: str) -> Ground:
+    """Set up a mission on one of its ``profiles_of``. Raises Unreachable if the mission does not
+    start."""
     line = line_of(replace(prepared.vehicle, dialect=profile, constant_batteries=False))
     home = prepared.mission.home or _NOT_MINE
     worlds = []

@@ -13,9 +13,9 @@ import itertools
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
-from hashlib import sha256
 from pathlib import Path
 
+from mission.authoring.prepare import Prepared
 from mission.model.tables import Table
 from mission.verification.exhaustive.cell import Cell, Configuration, Event, before
 from mission.verification.exhaustive.configurations import (
@@ -36,9 +36,11 @@ from mission.verification.exhaustive.proof_laws import PROOF_LAWS
 from mission.verification.exhaustive.rest_laws import REST_LAWS
 from mission.verification.exhaustive.world import World
 from mission.verification.workers import results
+from mission.verification.workers.contents import contents
 from mission.verification.workers.kept import Kept
-from mission.verification.workers.outcome import Lost, had
+from mission.verification.workers.outcome import Lost
 from mission.verification.workers.places import Place
+from mission.verification.workers.progress import Progress
 
 LAWS: Table[str, Law] = Table(
     lambda law: law.name,
@@ -55,8 +57,6 @@ LAWS: Table[str, Law] = Table(
 )
 KEPT = 200  # violations that are described; all are counted
 
-Progress = Callable[[str], None]
-
 
 @dataclass(slots=True)
 class Found:
@@ -71,7 +71,7 @@ class Found:
     asked: Counter[str] = field(default_factory=Counter)
     broken: Counter[str] = field(default_factory=Counter)
     violations: list[dict[str, str]] = field(default_factory=list)
-    undone: list[str] = field(default_factory=list)  # shares whose workers were lost
+    undone: list[str] = field(default_factory=list)  # shares without a result, and why
 
     def add(self, other: Found) -> None:
         self.missions |= other.missions
@@ -95,42 +95,46 @@ class Found:
         }
 
 
-Share = tuple[Path, str, str | None]  # a mission, a profile, the vehicle; None: the mission's own
+@dataclass(frozen=True, slots=True)
+class Share:
+    """A mission on a profile, with all that a worker needs of them."""
+
+    prepared: Prepared
+    profile: str
+
+    @property
+    def name(self) -> str:
+        """With what the result follows from."""
+        of = self.prepared
+        content = f"{of.chart.digest[:8]} {contents(of.vehicle)[:8]}"
+        return f"{Path(of.source).name} {content} {self.profile}"
+
+
+def shares_of(missions: Sequence[Prepared]) -> list[Share]:
+    """Return each mission on each of its profiles, once. Raises Unreachable."""
+    shares = (Share(of, profile) for of in missions for profile in profiles_of(of))
+    return list({share.name: share for share in shares}.values())
 
 
 def examine(
-    missions: Sequence[Path],
+    shares: Sequence[Share],
     at: Place,
     kept: Kept[Found],
-    progress: Progress,
-    vehicle: str | None = None,
+    tell: Callable[[str], None],
+    undone: Callable[[Share, Lost], None] = lambda share, lost: None,
 ) -> Found:
-    """Examine all cells of these missions on every profile. Raises Unreadable or Unreachable."""
-    shares: list[Share] = [
-        (path, profile, vehicle)
-        for path in dict.fromkeys(missions)
-        for profile in profiles_of(path, vehicle)
-    ]
+    """Examine all cells. ``undone`` is called with each share that has no result."""
     found = Found()
-    done = results(_share, shares, at, _name, kept)
+    progress = Progress(len(shares), "missions on a profile", tell)
+    done = results(_examined, shares, at, lambda share: share.name, kept, progress)
     for share, outcome in zip(shares, done, strict=True):
-        found.add(_found(outcome))
-        progress(_words(*share[:2], found))
+        if isinstance(outcome, Lost):
+            found.undone.append(str(outcome))
+            undone(share, outcome)
+        else:
+            found.add(outcome)
+            tell(_words(share, found))
     return found
-
-
-def _found(outcome: Found | Lost) -> Found:
-    """Return the findings of a share. Raises what the share raised, which is no finding."""
-    if isinstance(outcome, Lost) and outcome.error is None:
-        return Found(undone=[str(outcome)])
-    return had(outcome)
-
-
-def _name(share: Share) -> str:
-    path, profile, vehicle = share
-    content = path.read_bytes() if path.is_file() else b""
-    on = f" {vehicle}" if vehicle else ""
-    return f"{path.name} {sha256(content).hexdigest()[:8]} {profile}{on}"
 
 
 def unasked(found: Found, *, of_legs: bool = True) -> list[str]:
@@ -141,12 +145,13 @@ def unasked(found: Found, *, of_legs: bool = True) -> list[str]:
     return [law.name for law in laws if not found.asked[law.name]]
 
 
-def _words(path: Path, profile: str, found: Found) -> str:
-    return f"{path.name} {profile}: {found.cells} cells so far, {found.broken.total()} violations"
+def _words(share: Share, found: Found) -> str:
+    of = f"{Path(share.prepared.source).name} {share.profile}"
+    return f"{of}: {found.cells} cells so far, {found.broken.total()} violations"
 
 
-def _share(share: Share) -> Found:
-    return examine_ground(ground(*share))
+def _examined(share: Share) -> Found:
+    return examine_ground(ground(share.prepared, share.profile))
 
 
 def examine_ground(on: Ground, every: int = 1) -> Found:

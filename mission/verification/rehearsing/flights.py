@@ -1,4 +1,7 @@
-"""Rehearsed flights, each as a row of figures, on all cores."""
+"""Rehearsed flights, each as a row of figures, on all cores.
+
+A job has the content of mission, vehicle and sea floor: a worker elsewhere needs none of the files.
+"""
 
 from __future__ import annotations
 
@@ -6,14 +9,12 @@ import functools
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from pathlib import Path
 
 from links.simulated.settings import parse_settings
-from mission.authoring.bathymetry import Depths, read_bathymetry
+from mission.authoring.bathymetry import Depths
 from mission.authoring.check.assumptions import Assumptions
 from mission.authoring.check.bounds import LegBounds
-from mission.authoring.importing.places import beside
-from mission.authoring.prepare import Prepared, prepare_text
+from mission.authoring.prepare import Prepared
 from mission.model import Chart
 from mission.model.vehicle import Vehicle
 from mission.onboard.runtime.mission_validator import MissionValidator
@@ -28,20 +29,23 @@ from mission.verification.workers import results
 from mission.verification.workers.kept import Kept
 from mission.verification.workers.outcome import Lost
 from mission.verification.workers.places import Place
+from mission.verification.workers.progress import Progress
 
 
 @dataclass(frozen=True, slots=True)
-class Job:
-    """What a worker needs to fly one flight; picklable."""
+class Rehearsed:
+    """What all flights have in common. ``depths``: of the sea floor, None: as the mission assumes
+    it; ``given``: valid settings of every flight, which are not drawn."""
 
-    text: str
-    source: str
-    vehicle: str | None
-    parameters: tuple[tuple[str, str], ...]
+    prepared: Prepared
     seed: int
-    number: int
-    bathymetry: str = ""  # a file of depths
-    given: tuple[str, ...] = ()  # settings that are given, not drawn
+    depths: Depths | None = None
+    given: tuple[str, ...] = ()
+
+    def settings(self, number: int) -> tuple[str, ...]:
+        """Return the settings of flight ``number``, as texts."""
+        of = self.prepared
+        return sea_of(of.mission, of.vehicle, self.seed, number, self.given)
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,7 +67,6 @@ class Flown:
     surfaced: tuple[float, float] | None
     near: tuple[tuple[str, float], ...]
     achieved: tuple[Achieved, ...] = ()
-    bathymetry: str = ""
     clearance: float | None = None  # m, the least water under the vehicle, if the file has it
     legs: tuple[str, ...] = ()  # the legs that were flown, each once
 
@@ -74,44 +77,36 @@ class Flown:
 
 
 def rehearsed(
-    prepared: Prepared,
-    vehicle: str | None,
-    parameters: dict[str, str],
-    seed: int,
+    of: Rehearsed,
     flights: int,
     at: Place,
     kept: Kept[Flown] | None = None,
-    bathymetry: str = "",
-    given: tuple[str, ...] = (),
+    progress: Progress | None = None,
 ) -> Iterator[Flown | Lost]:
-    """Yield the flights in the order of their numbers, wherever they are flown. ``bathymetry``: a
-    file that every worker can read. ``given``: valid settings of every flight."""
-    named = tuple(sorted(parameters.items()))
-    jobs = [
-        Job(prepared.text, prepared.source, vehicle, named, seed, number, bathymetry, given)
-        for number in range(flights)
-    ]
-    return results(_one, jobs, at, lambda job: f"flight {job.number}", kept)
+    """Yield the flights in the order of their numbers, wherever they are flown."""
+    judge = MissionValidator(of.prepared.vehicle)  # of each worker, which judges the mission once
+    work = functools.partial(_one, of, judge)
+    return results(work, range(flights), at, lambda number: f"flight {number}", kept, progress)
 
 
-def _one(job: Job) -> Flown:
+def _one(of: Rehearsed, judge: MissionValidator, number: int) -> Flown:
     with uncollected():  # until all objects of the flight are freed
-        return _flown(job)
+        return _flown(of, judge, number)
 
 
-def _flown(job: Job) -> Flown:
-    prepared, judge = _prepared(job.text, job.source, job.vehicle, job.parameters)
+def _flown(of: Rehearsed, judge: MissionValidator, number: int) -> Flown:
+    prepared, depths = of.prepared, of.depths
     mission, vehicle = prepared.mission, prepared.vehicle
-    settings = sea_of(mission, vehicle, job.seed, job.number, job.given)
-    sea, depths = parse_settings(settings), _depths(job.bathymetry)
+    settings = of.settings(number)
+    sea = parse_settings(settings)
     if depths is not None:
         sea = over(sea, mission, depths)
-    flight = fly(mission, vehicle, seed=job.seed + job.number, settings=sea, judge=judge)
+    flight = fly(mission, vehicle, seed=of.seed + number, settings=sea, judge=judge)
     near = None if depths is None else clearance(flight, mission, depths)
     last = flight.track[-1] if flight.track and flight.at_surface else None
     covered = coverage_of(flight, mission)
     return Flown(
-        number=job.number,
+        number=number,
         settings=settings,
         outcome=flight.outcome,
         reason=flight.reason,
@@ -122,24 +117,9 @@ def _flown(job: Job) -> Flown:
         surfaced=(last.north, last.east) if last is not None else None,
         near=_near(flight, prepared),
         achieved=achieved_by(flight, mission, covered),
-        bathymetry=job.bathymetry,
         clearance=None if near is None else near.least,
         legs=tuple(dict.fromkeys(leg.name.partition("#")[0] for leg in flight.legs)),
     )
-
-
-@functools.lru_cache(maxsize=1)
-def _depths(path: str) -> Depths | None:
-    return read_bathymetry(Path(path)) if path else None
-
-
-@functools.lru_cache(maxsize=1)
-def _prepared(
-    text: str, source: str, vehicle: str | None, parameters: tuple[tuple[str, str], ...]
-) -> tuple[Prepared, MissionValidator]:
-    """Prepare the mission and its validator, once for all flights of a worker."""
-    found = prepare_text(text, source, vehicle, dict(parameters), beside(Path(source)))
-    return found, MissionValidator(found.vehicle)
 
 
 def energy_of(flight: Flight, chart: Chart, vehicle: Vehicle) -> float:

@@ -24,14 +24,15 @@ def html_page(made: Rehearsal, flown: Sequence[Flown], source: str, seed: int, t
 def _chapters(made: Rehearsal, source: str, seed: int) -> Iterator[Chapter]:
     low, high = made.chance
     done = made.outcomes.get("completed", 0)
-    said = f"{done} of {made.flights} flights completed: {low:.1%} to {high:.1%} (95 %)"
-    outcomes = tuple((name, str(count)) for name, count in sorted(made.outcomes.items()))
+    said = f"{done} of {made.asked} flights completed: {low:.1%} to {high:.1%} (95 %)"
+    counts = made.outcomes | ({"undone": made.undone} if made.undone else {})
+    outcomes = tuple((name, str(count)) for name, count in sorted(counts.items()))
     given = tuple(f"In every flight: {text}" for text in made.given)
     yield Chapter("What came of them", (said, *given), (Table(("outcome", "flights"), outcomes),))
     yield Chapter("Spreads", (), (Table(("", "5 %", "half", "95 %"), (*_spreads(made),)),))
     if made.reached:
         rows = tuple(
-            (leg, f"{hits} of {made.flights}", f"{least:.1%} to {most:.1%}")
+            (leg, f"{hits} of {made.asked}", f"{least:.1%} to {most:.1%}")
             for leg, (hits, least, most) in made.reached.items()
         )
         yield Chapter("Purpose", (), (Table(("rows", "reached it", "share, 95 %"), rows),))

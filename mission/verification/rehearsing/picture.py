@@ -44,7 +44,7 @@ def draw_rehearsal(
         axes.set_xlabel(name)
         axes.set_ylabel("flights")
     done = made.outcomes.get("completed", 0)
-    figure.suptitle(f"{title}: {done} of {made.flights} flights completed", fontsize=12)
+    figure.suptitle(f"{title}: {done} of {made.asked} flights completed", fontsize=12)
     figure.savefig(to, dpi=110, format=format_ or None)
 
 

@@ -58,6 +58,11 @@ class Rehearsal:
     clearance: tuple[Spread, int] | None = None  # m over the floor of a file; flights aground
     legs: dict[str, int] = field(default_factory=dict)  # in how many flights each was flown
     given: tuple[str, ...] = ()  # settings of every flight
+    undone: int = 0  # flights that nobody saw the end of; ``flights`` are the others
+
+    @property
+    def asked(self) -> int:
+        return self.flights + self.undone
 
     @property
     def never(self) -> tuple[str, ...]:
@@ -66,27 +71,31 @@ class Rehearsal:
 
 
 def report_of(
-    flown: Sequence[Flown], legs: Sequence[str] = (), given: Sequence[str] = ()
+    flown: Sequence[Flown],
+    legs: Sequence[str] = (),
+    given: Sequence[str] = (),
+    undone: int = 0,
 ) -> Rehearsal:
     """Report on at least one flight. ``legs``: those of the mission; ``given``: settings of every
-    flight."""
+    flight; ``undone``: number of flights without a result, which widen each share."""
     came = Counter(leg for f in flown for leg in f.legs)
     completed = sum(f.outcome == "completed" for f in flown)
     return Rehearsal(
         flights=len(flown),
         outcomes=dict(Counter(f.outcome for f in flown)),
-        chance=wilson(completed, len(flown)),
+        chance=share_of(completed, len(flown), undone),
         time=Spread.of([f.time for f in flown]),
         energy=Spread.of([f.energy for f in flown]),
         error=Spread.of([f.error for f in flown]),
         coverage=_coverage(flown),
-        reached=_reached(flown),
+        reached=_reached(flown, undone),
         regions=regions([f.surfaced for f in flown if f.surfaced is not None]),
         near={name: max(dict(f.near)[name] for f in flown) for name, _ in flown[0].near},
         worst=tuple(sorted(flown, key=_goodness)[:WORST]),
         clearance=_clearance([f.clearance for f in flown if f.clearance is not None]),
         legs={leg: came[leg] for leg in legs},
         given=tuple(given),
+        undone=undone,
     )
 
 
@@ -109,11 +118,11 @@ def _coverage(flown: Sequence[Flown]) -> dict[str, tuple[Spread, Spread]]:
     }
 
 
-def _reached(flown: Sequence[Flown]) -> dict[str, tuple[int, float, float]]:
+def _reached(flown: Sequence[Flown], undone: int) -> dict[str, tuple[int, float, float]]:
     found = {}
     for i, one in enumerate(flown[0].achieved):
         hits = sum(f.achieved[i].reached for f in flown)
-        found[one.leg] = (hits, *wilson(hits, len(flown)))
+        found[one.leg] = (hits, *share_of(hits, len(flown), undone))
     return found
 
 
@@ -128,6 +137,14 @@ def wilson(hits: int, of: int) -> tuple[float, float]:
     middle = (share + z2 / (2 * of)) / (1 + z2 / of)
     half = _Z / (1 + z2 / of) * math.sqrt(share * (1 - share) / of + z2 / (4 * of * of))
     return max(0.0, middle - half), min(1.0, middle + half)
+
+
+def share_of(hits: int, of: int, undone: int) -> tuple[float, float]:
+    """Return an interval that holds ``wilson`` of all flights, whatever the undone ones would have
+    come to."""
+    low, _ = wilson(hits, of + undone)
+    _, high = wilson(hits + undone, of + undone)
+    return low, high
 
 
 def regions(places: Sequence[tuple[float, float]]) -> tuple[Region, ...]:
@@ -154,9 +171,14 @@ def regions(places: Sequence[tuple[float, float]]) -> tuple[Region, ...]:
 
 def again(flown: Flown, source: str, seed: int) -> str:
     """Return the command that repeats this flight."""
-    said = " ".join(f"--set {shlex.quote(text)}" for text in flown.settings)
-    floor = f" --bathymetry {shlex.quote(flown.bathymetry)}" if flown.bathymetry else ""
-    return f"auvmission simulate {source} --seed {seed + flown.number} {said}{floor}"
+    return command(flown.number, flown.settings, source, seed)
+
+
+def command(number: int, settings: Sequence[str], source: str, seed: int) -> str:
+    """Return the command that flies flight ``number``. ``source``: the mission, and what all
+    flights have in common, as a command line has them."""
+    said = " ".join(f"--set {shlex.quote(text)}" for text in settings)
+    return f"auvmission simulate {source} --seed {seed + number} {said}"
 
 
 # --- output ---------------------------------------------------------------------------------------
@@ -167,8 +189,9 @@ def as_text(made: Rehearsal, source: str, seed: int) -> str:
     low, high = made.chance
     rows = [
         *(f"set               {text}" for text in made.given),
-        f"completed         {done} of {made.flights}: {low:.1%} to {high:.1%} (95 %)",
+        f"completed         {done} of {made.asked}: {low:.1%} to {high:.1%} (95 %)",
         *(f"  {name:15} {count}" for name, count in sorted(made.outcomes.items())),
+        *([f"  {'undone':15} {made.undone}"] if made.undone else []),
         f"{'':18}{'5 %':>9}{'half':>9}{'95 %':>9}",
         _row("time, min", made.time, 60.0),
         _row("energy, Wh", made.energy, 3600.0),
@@ -182,7 +205,7 @@ def as_text(made: Rehearsal, source: str, seed: int) -> str:
         rows.append(_row("  by estimate, %", estimated, 0.01) + f"  {leg}")
     for leg, (hits, least, most) in made.reached.items():
         share = f"{least:.1%} to {most:.1%} (95 %)"
-        rows.append(f"purpose reached   {hits} of {made.flights}: {share}  {leg}")
+        rows.append(f"purpose reached   {hits} of {made.asked}: {share}  {leg}")
     for r in made.regions:
         axes = f"{r.axes[0]:.0f} by {r.axes[1]:.0f} m about"
         rows.append(f"surfaced, {r.share:.0%}     {axes} north {r.north:.0f} east {r.east:.0f} m")
@@ -204,6 +227,7 @@ def _row(name: str, spread: Spread, unit: float) -> str:
 def as_object(made: Rehearsal, source: str, seed: int) -> dict[str, Any]:
     return {
         "flights": made.flights,
+        "undone": made.undone,
         "seed": seed,
         "set": list(made.given),
         "outcomes": made.outcomes,

@@ -18,6 +18,7 @@ from typing import Generic, TypeVar
 from mission.verification.workers.kept import Kept
 from mission.verification.workers.outcome import Lost, Run
 from mission.verification.workers.places import Place
+from mission.verification.workers.progress import Progress
 
 _J = TypeVar("_J")
 _R = TypeVar("_R")
@@ -30,10 +31,12 @@ def results(
     at: Place,
     name: Callable[[_J], str] = str,
     kept: Kept[_R] | None = None,
+    progress: Progress | None = None,
 ) -> Iterator[_R | Lost]:
     """Yield the outcomes in the order of the jobs. ``work`` and jobs must be picklable, the names
-    unique. A job whose result is kept is not done again."""
-    with working(work, at, name, kept) as batch:
+    unique. A job whose result is kept is not done again. ``progress`` counts each job that ends, in
+    whatever order. Raises Unreachable and Unusable."""
+    with working(work, at, name, kept, progress) as batch:
         yield from batch(jobs)
 
 
@@ -43,26 +46,33 @@ def working(
     at: Place,
     name: Callable[[_J], str] = str,
     kept: Kept[_R] | None = None,
+    progress: Progress | None = None,
 ) -> Iterator[Batch[_J, _R]]:
-    """The same for jobs that come in batches."""
+    """The same for jobs that come in batches, one batch at a time."""
     with at.doing(work) as run:
-        yield lambda jobs: _Ordered(run, name, kept).outcomes(jobs)
+        yield lambda jobs: _Ordered(run, name, kept, progress).outcomes(jobs)
 
 
 class _Ordered(Generic[_J, _R]):
     """Collect outcomes as they come, and yield them in the order of their jobs."""
 
-    def __init__(self, run: Run[_J, _R], name: Callable[[_J], str], kept: Kept[_R] | None) -> None:
-        self._run, self._name, self._kept = run, name, kept
+    def __init__(
+        self,
+        run: Run[_J, _R],
+        name: Callable[[_J], str],
+        kept: Kept[_R] | None,
+        progress: Progress | None,
+    ) -> None:
+        self._run, self._name, self._kept, self._progress = run, name, kept, progress
         self._due: deque[str] = deque()
         self._open: set[str] = set()
         self._here: dict[str, _R | Lost] = {}
 
     def outcomes(self, jobs: Iterable[_J]) -> Iterator[_R | Lost]:
         for name, outcome in self._run(self._undone(jobs)):
-            self._here[name] = outcome
             if self._kept is not None and not isinstance(outcome, Lost):
                 self._kept.add(name, outcome)
+            self._take(name, outcome)
             yield from self._ready()
         yield from self._ready()
 
@@ -77,7 +87,12 @@ class _Ordered(Generic[_J, _R]):
             if known is None:
                 yield name, job
             else:
-                self._here[name] = known
+                self._take(name, known, kept=True)
+
+    def _take(self, name: str, outcome: _R | Lost, *, kept: bool = False) -> None:
+        self._here[name] = outcome
+        if self._progress is not None:
+            self._progress.count(kept=kept)
 
     def _ready(self) -> Iterator[_R | Lost]:
         while self._due and self._due[0] in self._here:

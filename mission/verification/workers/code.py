@@ -83,6 +83,6 @@ def _files() -> Iterator[tuple[str, Path]]:
             shipped = missions in path.parents
             if path.is_file() and path.suffix not in _UNREAD and not shipped:
                 yield path.relative_to(root).as_posix(), path
-    for path in missions.iterdir():
+    for path in missions.rglob("*"):
         if path.is_file():
-            yield f"missions/{path.name}", path
+            yield f"missions/{path.relative_to(missions).as_posix()}", path

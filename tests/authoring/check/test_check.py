@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -11,6 +12,7 @@ from click.testing import CliRunner
 
 from mission.authoring.check import Report, check_mission
 from mission.authoring.check.assumptions import FROZEN, LATE, STICKS
+from mission.authoring.check.show import as_text
 from mission.authoring.compiler.compiler import compile_mission
 from mission.authoring.language import digest, parse
 from mission.authoring.prepare import check_prepared, prepare
@@ -411,3 +413,21 @@ def test_a_refusal_shows_the_line_it_is_about(tmp_path: Path) -> None:
     told = CliRunner().invoke(main, ["check", str(deep)]).stdout.splitlines()
     assert told[0].startswith(f"{deep}:4:1: ")
     assert told[1:3] == [f"    {line}", "    " + "^" * len(line)]
+
+
+@pytest.mark.parametrize(
+    ("unreported", "says"),
+    [
+        ("yaw", "(without a believed depth up to {dark} min more until fixes prove the surface)"),
+        ("position", "(without a believed depth until an X: nothing reports a position)"),
+        ("depth", "the ascent included\n"),
+    ],
+)
+def test_an_ascent_without_a_depth_ends_by_fixes_where_a_position_is_reported(
+    unreported: str, says: str
+) -> None:
+    vehicle = replace(VEHICLE, reports=VEHICLE.reports - {unreported})
+    mission = parse(HEAD + "out: heading 0 gear 6 for 60s\nup: surface timeout 5min\n")
+    compiled = compile_mission(mission, VEHICLE, digest(mission))
+    dark = (VEHICLE.limits.depth / VEHICLE.ascent_buoyancy + 5.0) / 60.0
+    assert says.format(dark=f"{dark:.1f}") in as_text("m", check_mission(compiled, vehicle), "")

@@ -128,6 +128,13 @@ def test_a_mission_without_rows_states_the_position_of_each_leg_but_its_ascents(
     assert said == [("dive", (("position", 900.0),)), ("out", (("position", 900.0),))]
 
 
+def test_a_leg_that_waits_for_a_fix_is_judged_where_it_ends_and_not_where_it_begins() -> None:
+    legs = "out: depth 6 heading 0 gear 6 for 10min\nfix: surface until fix timeout 5min\nmow:"
+    prepared = prepare_text(TEXT.replace("{more}", "").replace("mow:", legs), "m")
+    _, errors, _ = outlooks(prepared.mission, prepared.vehicle)
+    assert errors["fix"] < 10.0 < 50.0 < errors["out"]
+
+
 def test_a_mission_with_rows_states_what_they_are_flown_for_alone() -> None:
     whole = TEXT.replace("dive:", "achieve position 900\ndive:")
     assert [one.leg for one in report("", whole).outlook] == ["mow"]

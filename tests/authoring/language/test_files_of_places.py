@@ -8,6 +8,7 @@ import pytest
 
 from mission.authoring.importing.places import beside
 from mission.authoring.language import MissionErrors, digest, load, parse, parse_script, script
+from mission.authoring.language.layout import formatted
 from mission.authoring.prepare import Unreadable, prepare, prepare_text
 from mission.model import Mission
 
@@ -181,3 +182,20 @@ def test_more_places_than_a_leg_has_are_refused_with_their_number(tmp_path: Path
 def test_one_place_is_no_route(tmp_path: Path) -> None:
     with pytest.raises(MissionErrors, match="needs several places"):
         read(written(tmp_path, "r.csv", "lat,lon\n30.1,120.1\n"))
+
+
+@pytest.mark.parametrize(
+    "path", ["route(1),b.csv", '"route(1)  b.csv"', '"rows #3.csv"', "a<b>c.csv", '"c (d) : e.csv"']
+)
+def test_fmt_leaves_the_path_of_a_file_as_it_is(path: str, tmp_path: Path) -> None:
+    leg = f"follow  file   {path}   {HELD}   until depth>3"
+    file = written(tmp_path, path.strip('"'), FILES["r.csv"], leg)
+    tidy = formatted(file.read_text() + "# the end\n")
+    assert tidy.splitlines()[-2:] == [
+        f"go: follow file {path} {HELD} until depth > 3",
+        "# the end",
+    ]
+    assert formatted(tidy) == tidy
+    before = read(file)
+    file.write_text(tidy)
+    assert read(file) == before

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import pytest
@@ -275,6 +275,30 @@ def test_what_sank_out_of_surfaced_as_its_fixes_tell_is_held_up(deep, when, lost
     held = held_up(lambda t: deep if t in when else 0.2)
     assert lost(held, "documented", Settings()).startswith(lost_by)
     assert bool(lost(held, "documented", Settings())) is bool(lost_by)
+
+
+@pytest.mark.parametrize(
+    ("begin", "waves", "wet", "lifted", "is_lost"),
+    [
+        (5.0, 0.21, (19, 22, 25), None, False),
+        (5.0, 0.21, (19, 25), None, True),
+        (5.0, 0.0, (19, 22, 25), None, True),
+        (15.0, 0.21, (19, 22, 25), None, True),
+        (5.0, 0.21, (19, 22, 25), 10.0, True),
+    ],
+)
+def test_what_its_own_board_pushes_down_in_waves_at_the_surface_is_held_up(
+    begin: float, waves: float, wet: Sequence[int], lifted: float | None, is_lost: bool
+) -> None:
+    """As flight 14049 of seed 11126: on its side, where the push moves it by 0.1 m.
+    ``wet``: s at which waves wash over the antenna."""
+    dives = FaultEvent("dives_until_up", begin, 1e6)
+    settings = Settings(faults=(dives,))
+    settings = replace(settings, sea=replace(settings.sea, waves=(waves, 4.0)))
+    ups = (25.0, *(() if lifted is None else (lifted,)))
+    lifts = [Tx(t, VEHICLE, b"@ZAU12$", "") for t in ups]
+    held = held_up(lambda t: 0.25 if t in wet else 0.15, *lifts)
+    assert bool(lost(held, "documented", settings)) is is_lost
 
 
 @pytest.mark.parametrize(("off", "is_lost"), [(15.0, False), (-40.0, True), (None, True)])

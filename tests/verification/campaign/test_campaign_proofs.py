@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
@@ -12,7 +13,7 @@ from links.simulated.settings import FaultEvent
 from mission.authoring.check import check_mission
 from mission.authoring.compiler.compiler import compile_mission
 from mission.authoring.language import digest, parse
-from mission.commands.campaign import _claim, campaign
+from mission.commands.campaign import _subject, campaign
 from mission.model.shipped import load_vehicle
 from mission.verification.campaign.faults import shipped
 from mission.verification.campaign.generated import NoneFound, generate
@@ -28,9 +29,15 @@ SHIPPED = shipped()
 LAWNMOWER = next(path for path in SHIPPED if path.stem == "lawnmower")
 
 
+def known(path: Path) -> Claim:
+    found = _subject(path, "auv").known
+    assert found is not None
+    return found
+
+
 def claim(number: int) -> Claim:
     if number < len(SHIPPED):
-        return _claim(SHIPPED[number], "auv")
+        return known(SHIPPED[number])
     made = generate(0, number, VEHICLE)
     return Claim(f"--generated {number}", made.mission, made.proved)
 
@@ -77,7 +84,7 @@ def test_a_generated_mission_is_told_by_its_seed_and_passes_the_check() -> None:
 
 
 def test_a_flight_stays_within_what_is_assumed() -> None:
-    proved = _claim(LAWNMOWER, "auv")
+    proved = known(LAWNMOWER)
     for flight in range(50):
         sea = draw_proof(proved, VEHICLE, 1, flight).settings.sea
         assert sea.current[0] <= 0.2
@@ -85,7 +92,7 @@ def test_a_flight_stays_within_what_is_assumed() -> None:
 
 
 def test_a_dive_whose_depth_freezes_stays_above_the_depth_proved_for_that() -> None:
-    proved = _claim(LAWNMOWER, "auv")
+    proved = known(LAWNMOWER)
     drawn = draw_proof(proved, VEHICLE, 5, 1)
     deepest = 0.0
     for begin in (14.0, 17.0, 20.0):
@@ -98,7 +105,7 @@ def test_a_dive_whose_depth_freezes_stays_above_the_depth_proved_for_that() -> N
 
 
 def test_what_was_proved_too_low_is_found() -> None:
-    honest = _claim(LAWNMOWER, "auv")
+    honest = known(LAWNMOWER)
     low = replace(
         honest.proved,
         worst_time=100.0,

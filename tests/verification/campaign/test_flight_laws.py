@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 from types import SimpleNamespace
@@ -15,16 +16,24 @@ from mission.engine.restart import begin_again
 from mission.engine.watch import Watch
 from mission.model import STOPPED, SURFACED, SURFACING, Restarted, Step, Tx
 from mission.onboard.runtime.operator_server import OperatorServer
+from mission.onboard.runtime.runtime import VEHICLE
 from mission.onboard.runtime.situation import Situation
 from mission.verification.campaign.broken import broken
+from mission.verification.campaign.depth_laws import _misses_its_lift
 from mission.verification.campaign.draw import Drawn, Plan, stage
 from mission.verification.campaign.faults import fly_plan, result_of, shipped, subjects
 from mission.verification.campaign.leg_laws import waits
+from mission.verification.campaign.limit_laws import _BY_REPORT, _by_report
 from mission.verification.campaign.reports import Report
 from mission.verification.campaign.scene import DOWN, X, repeated, say
-from mission.verification.campaign.status_laws import _is_stuck, _is_told_up
+from mission.verification.campaign.status_laws import _is_alone, _is_stuck, _is_told, _is_told_up
 from mission.verification.campaign.story import Stay
-from mission.verification.campaign.surface_laws import _died_near, _froze_near, _is_asked_twice
+from mission.verification.campaign.surface_laws import (
+    _come_round,
+    _died_near,
+    _froze_near,
+    _is_asked_twice,
+)
 from mission.verification.campaign.word_laws import _allowed
 from mission.verification.rig.acts import MODEM, TOPSIDE, Act, Disturbance
 from mission.verification.rig.trace import Done, Said
@@ -187,6 +196,27 @@ def test_a_status_waits_where_the_surface_was_proved_by_a_receiver_that_is_stuck
     assert _is_stuck(told, 100.0) is excused  # type: ignore[arg-type]
 
 
+@pytest.mark.parametrize(
+    ("joins", "excused"), [((105.0,), True), ((95.0,), False), ((92.0, 105.0), False), ((), True)]
+)
+def test_a_status_that_is_sent_before_the_boat_is_back_reaches_no_boat(
+    joins: Sequence[float], excused: bool
+) -> None:
+    """As flight 18145 of seed 11732: a W by modem, and the boat connects half a second later."""
+    begun = [Done(5.0, Act.JOIN), Done(86.0, Act.KILL), Done(91.0, Act.BOOT)]
+    told = SimpleNamespace(
+        done=[*begun, *(Done(t, Act.JOIN) for t in joins)],
+        hindered=lambda *_: False,
+        faults=lambda *_: [],
+        faulty=lambda *_: False,
+        reports=[],
+    )
+    stay = Stay(SURFACED, 100.0, 120.0, SURFACING, None)
+    by_modem = [Tx(100.1, MODEM, b"@VS", "at the surface")]
+    assert _is_alone(told, 100.0) is excused  # type: ignore[arg-type]
+    assert bool(list(_is_told(told, stay, by_modem))) is not excused  # type: ignore[arg-type]
+
+
 @pytest.mark.replaces
 def test_what_has_sunk_in_idle_with_auto_closed_is_lost_where_a_restart_forgets_it(
     monkeypatch: pytest.MonkeyPatch,
@@ -283,6 +313,73 @@ def test_a_depth_that_froze_near_the_surface_is_not_told_while_no_thruster_turns
         reports=said,
     )
     assert _froze_near(told, 100.0) is untold  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("name", "begin", "seen", "booted", "first"),
+    [
+        ("gps_in_turn", 74.4, 0.6, 50.6, True),
+        ("gps_in_turn", 71.0, 0.6, 50.6, False),
+        ("gps_stuck", 74.4, 0.6, 50.6, True),
+        ("gps_stuck", 72.5, 0.6, 50.6, False),
+        ("gps_in_turn", 74.4, 0.3, 50.6, False),
+        ("gps_in_turn", 74.4, 0.6, None, False),
+        ("gps_in_turn", 40.0, 0.6, 50.6, False),
+    ],
+)
+def test_a_receiver_that_repeats_places_has_not_come_round_to_a_program_that_began_below(
+    name: str, begin: float, seen: float, booted: float | None, first: bool
+) -> None:
+    """As flight 11446 of seed 11126: killed on the way up, and two places in turn at the surface.
+    ``seen``: m, the least depth since the program began."""
+    told = SimpleNamespace(
+        done=[] if booted is None else [Done(booted, Act.BOOT)],
+        faults=lambda *_: [FaultEvent(name, begin, 90.0, 2.4)],
+        depth=lambda t: seen if t == 60.0 else 5.0,
+        settings=Settings(),
+    )
+    assert _come_round(told, 75.3) is first  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("degrees", "seen", "broken"), [(92, 6, False), (92, 7, True), (110, 5, True), (75, 5, True)]
+)
+def test_a_roll_of_ninety_degrees_may_take_six_reports(
+    degrees: float, seen: int, broken: bool
+) -> None:
+    """As flight 17083 of seed 11126: 105, 91, 89, 93, 91 and 90 degrees, and then it acted."""
+    stay = Stay("autonomous/third/fix", 0.0, 100.0, "", None)
+    told = SimpleNamespace(
+        samples_in=lambda *_: [SimpleNamespace(t=2.0 * i) for i in range(seen)],
+        tilt=lambda t: math.radians(degrees),
+        vehicle=SimpleNamespace(limits=SimpleNamespace(roll=math.radians(60.0))),
+        hindered=lambda *_: False,
+        faulty=lambda *_: False,
+    )
+    assert bool(list(_by_report(told, [stay], _BY_REPORT[1]))) is broken  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("busy", "stopped", "tries", "missed"),
+    [
+        (0.89, 144.29, (0.12, 0.42, 0.72), True),
+        (0.5, 144.29, (0.12, 0.42, 0.72), False),
+        (0.89, 144.29, (), False),
+        (0.89, 140.0, (0.12, 0.42, 0.72), False),
+        (0.89, 149.69, (0.12, 0.42, 0.72), False),
+    ],
+)
+def test_a_board_that_is_busy_with_a_stop_lets_what_is_held_up_sink_until_u12_is_repeated(
+    busy: float, stopped: float, tries: Sequence[float], missed: bool
+) -> None:
+    """As flight 8129 of seed 11631: full thrust had another turn as the surface was proved."""
+    words = [Tx(stopped, VEHICLE, b"@ZAX0$", "")]
+    words += [Tx(stopped + t, VEHICLE, b"@ZAU12$", "") for t in tries]
+    told = SimpleNamespace(
+        faults=lambda *_: [FaultEvent("busy", 46.4, 1e6, busy)],
+        words_in=lambda begin, end: [word for word in words if begin <= word.t <= end],
+    )
+    assert _misses_its_lift(told, 149.69) is missed  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize(
