@@ -23,7 +23,8 @@ from typing import Any
 from links.simulated.link import START
 from mission.model import Step
 from mission.model.vehicle import Vehicle
-from mission.onboard.blackbox import BlackBox, part_path, read_records
+from mission.onboard.blackbox import BlackBox, Gap, part_path
+from mission.onboard.blackbox.reading import Reader
 from mission.verification.campaign.audit import commands_of
 from mission.verification.campaign.calm import alarms, calm
 from mission.verification.campaign.draw import Plan, Subject, draw
@@ -245,11 +246,17 @@ def _program(vehicle: Vehicle, box: BlackBox) -> Program:
 
 
 def _take_away(soaked: Soaked, box: BlackBox) -> None:
-    """Check the closed parts of the black box, count the broken ones, and delete them all."""
+    """Read the closed parts of the black box, count the broken ones, and delete them all."""
     first = box.path.parent / "soak.mcap"
     while (part := part_path(first, soaked.parts)) != box.path:
-        whole = any(True for _ in read_records(part)) and part.stat().st_size <= 2 * PART
-        soaked.broken_parts += not whole
+        soaked.broken_parts += not _whole(part)
         soaked.megabytes += part.stat().st_size / _MEGABYTE
         part.unlink()
         soaked.parts += 1
+
+
+def _whole(part: Path) -> bool:
+    """Return whether a part was closed, and each of its records can be read."""
+    items = list(Reader(None).read(part))
+    gaps = any(isinstance(item, Gap) for item in items)
+    return bool(items) and not gaps and part.stat().st_size <= 2 * PART
