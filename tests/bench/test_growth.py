@@ -20,8 +20,11 @@ from bench_growth import (
     bend,
     checked,
     marginals,
+    mission,
     of_legs,
+    of_lines,
     of_rounds,
+    of_states,
     table,
 )
 from growth_picture import filled, points_of
@@ -94,6 +97,22 @@ def test_a_process_tells_its_time_and_its_memory() -> None:
 
 
 @pytest.mark.proof
-def test_a_mission_that_the_check_refuses_is_no_row_of_a_table() -> None:
+@pytest.mark.parametrize(
+    "text", [of_rounds(2500), of_legs(5001), of_states(7500)], ids=["rounds", "legs", "states"]
+)
+def test_a_mission_beyond_the_last_row_is_refused(text: str) -> None:
     with pytest.raises(RuntimeError, match=r"exit 1\n(?s:.*)repeat less"):
-        checked(of_rounds(2500))
+        checked(text)
+
+
+@pytest.mark.parametrize("count", SWEEPS["lines"].sizes)
+def test_a_mission_of_so_many_lines_is_uploaded_in_as_many(count: int) -> None:
+    with mission(of_lines(count)) as (path, *_):
+        assert len(script(load(Path(path)))) == count
+    assert count <= MOST_LINES
+
+
+@pytest.mark.parametrize("count", [3, 300, 7497])
+def test_states_are_legs_and_groups(count: int) -> None:
+    text = of_states(count)
+    assert text.count("heading") + text.count("group") == count
