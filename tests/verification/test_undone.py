@@ -161,6 +161,8 @@ def test_a_soak_that_is_undone_is_told_with_its_command(monkeypatch: pytest.Monk
     found, ran = told("faults --soak 0.5 --soaks 2 --seed 3 --vehicle rov")
     assert found == {"soaks": {"3": {}, "4": None}, "undone": [4]}
     assert again(ran) == ["auvmission faults --vehicle rov --seed 4 --soak 0.5"]
+    _, ran = told("faults --soak 0.5 --soaks 2 --seed 3 --calm")
+    assert again(ran) == ["auvmission faults --calm --seed 4 --soak 0.5"]
 
 
 def test_soaks_that_are_interrupted_tell_what_has_ended(monkeypatch: pytest.MonkeyPatch) -> None:
