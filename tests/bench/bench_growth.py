@@ -191,7 +191,7 @@ SWEEPS = {
     "states": Sweep("`check`, by states", "states", 1000, (300, 1000, 3000, 7494), lambda n: checked(of_states(n))),
     "flown": Sweep("`simulate`, by lines", "lines", 1000, (300, 1000, 3000, 9999), lambda n: flown(of_lines(n))),
     "hours": Sweep("`simulate`, by hours of flight", "hours", 1, (1, 2, 5, 10, 24), hours),
-    "log": Sweep("`log`, by MB of the black box", "MB", 1, (2, 5, 10, 20, 40), lambda n: recorded(n, "log")),
+    "log": Sweep("`log`, by MB of the black box", "MB", 1, (2, 5, 10), lambda n: recorded(n, "log")),
     "report": Sweep("`report`, by MB of the black box", "MB", 1, (2, 5, 10), lambda n: recorded(n, "report", "-o", "{}/again.html")),
     "boats": Sweep("`serve`, by boats that ask `@AE` once a second", "boats", 10, (1, 10, 30, 100), boats, served=True),
     "viewers": Sweep("`serve`, by viewers who wish for everything five times a second", "viewers", 10, (1, 10, 30, 100), viewers, served=True),
