@@ -249,10 +249,11 @@ def bends(sweep: Sweep, points: Sequence[Point]) -> str:
         "memory": bend(points, lambda cost: cost.memory, NOISE[1]),
     }
     up_to = f"up to {points[-1].size:,} {sweep.counted}"
-    return "; ".join(
+    told = "; ".join(
         f"{what}: no bend {up_to}" if at is None else f"{what}: bends at {at:,} {sweep.counted}"
         for what, at in found.items()
-    ).capitalize() + "."  # fmt: skip
+    )
+    return f"{told[0].upper()}{told[1:]}."
 
 
 def _figure(value: float) -> str:
