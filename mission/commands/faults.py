@@ -94,9 +94,9 @@ def faults(
     if rule is not None:
         sys.exit(break_rules(rule, seed, flights, where, known, as_json=as_json, searched=search))
     if soak is not None and soaks is not None:
-        sys.exit(soak_seeds(soak, range(seed, seed + soaks), where, known, as_json=as_json))
+        sys.exit(soak_seeds(soak, range(seed, seed + soaks), where, known, calm, as_json=as_json))
     if soak is not None:
-        sys.exit(soak_here(soak, seed, known))
+        sys.exit(soak_here(soak, seed, known, calm))
     totals = Totals()
     also: dict[str, Any] = {}
     if flight is not None:
@@ -112,7 +112,8 @@ def faults(
 def _refuse_two_kinds(**said: object) -> None:
     """Refuse kinds of flights of which all but one would be ignored."""
     kinds = {name for name, value in said.items() if value not in (None, False)}
-    if len(kinds) > 1 and kinds not in ({"rule", "search"}, {"flight", "calm"}):
+    together = ({"rule", "search"}, {"flight", "calm"}, {"soak", "calm"})
+    if len(kinds) > 1 and kinds not in together:
         names = sorted("--broken" if kind == "rule" else f"--{kind}" for kind in kinds)
         raise click.UsageError(f"{' and '.join(names)} are kinds of flights: say one")
 

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from mission.verification.campaign.draw import Subject
 
 
-def soak_here(days: float, seed: int, known: Sequence[Subject]) -> int:
+def soak_here(days: float, seed: int, known: Sequence[Subject], calm: bool) -> int:
     """Fly one soak in this process. Return the exit code."""
     import json
     import tempfile
@@ -24,9 +24,12 @@ def soak_here(days: float, seed: int, known: Sequence[Subject]) -> int:
     from mission.verification.rig.vehicle import flown
 
     of = known[0].vehicle
-    told = Telling(days, seed, of, click.echo, functools.partial(click.echo, err=True))
+    progress = functools.partial(click.echo, err=True)
+    told = Telling(days, seed, of, calm, click.echo, progress)
     with tempfile.TemporaryDirectory(prefix="soak-") as folder:
-        soaked = soak(days, seed, known, flown(of), Path(folder), told)
+        soaked = soak(days, seed, known, flown(of), Path(folder), told, calmly=calm)
+    for line in soaked.memory.in_words():
+        click.echo(line, err=True)
     click.echo(json.dumps(soaked.as_json()))
     if soaked.interrupted:
         raise KeyboardInterrupt
@@ -34,7 +37,13 @@ def soak_here(days: float, seed: int, known: Sequence[Subject]) -> int:
 
 
 def soak_seeds(
-    days: float, seeds: range, where: Where, known: Sequence[Subject], *, as_json: bool
+    days: float,
+    seeds: range,
+    where: Where,
+    known: Sequence[Subject],
+    calm: bool,
+    *,
+    as_json: bool,
 ) -> int:
     """Fly a soak of each seed, each in a process of its own, which looks at its memory. Return the
     exit code. What had ended is told by Ctrl-C, too."""
@@ -48,7 +57,7 @@ def soak_seeds(
         return bool(undone)
 
     try:
-        held = _soak(days, seeds, where, known, found, as_json=as_json)
+        held = _soak(days, seeds, where, known, calm, found, as_json=as_json)
     except KeyboardInterrupt:
         told()
         raise
@@ -60,21 +69,23 @@ def _soak(
     seeds: range,
     where: Where,
     known: Sequence[Subject],
+    calm: bool,
     found: dict[int, Any],
     *,
     as_json: bool,
 ) -> bool:
     """Put the object of each soak into ``found``, None for one without a result. Return whether all
     others held."""
-    from mission.verification.campaign.soak import Summary, soak_alone, with_vehicle
+    from mission.verification.campaign.soak import Summary, again, soak_alone
     from mission.verification.rig.vehicle import flown
     from mission.verification.workers import results
     from mission.verification.workers.outcome import Lost
     from mission.verification.workers.progress import Progress
 
     of, held = known[0].vehicle, True
-    work = functools.partial(soak_alone, days, known, flown(of))
-    asked = {"flights": "soaked", "days": days} | ({} if of == "auv" else {"vehicle": of})
+    work = functools.partial(soak_alone, days, known, flown(of), calm)
+    asked = {"flights": "soaked calmly" if calm else "soaked", "days": days}
+    asked |= {} if of == "auv" else {"vehicle": of}
     with where.keeping(asked, Summary) as kept:
         progress = Progress(len(seeds), "soaks", functools.partial(click.echo, err=True))
         place = where.lasting(1.0 + days).place
@@ -82,8 +93,7 @@ def _soak(
         for seed, one in zip(seeds, done, strict=True):
             if isinstance(one, Lost):
                 found[seed] = None
-                again = f"auvmission faults{with_vehicle(of)} --seed {seed} --soak {days:g}"
-                click.echo(f"seed {one}\n  again: {again}", err=as_json)
+                click.echo(f"seed {one}\n{again(seed, of, calm, f'{days:g}')}", err=as_json)
                 continue
             found[seed], held = one.found, held and one.held
             for line in one.stories:

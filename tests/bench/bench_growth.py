@@ -28,6 +28,8 @@ PAGE = ROOT / "docs" / "growth.md"
 PICTURE = ROOT / "docs" / "pictures" / "growth.svg"
 BENT = 1.5
 NOISE = (0.15, 4.0)  # of a time in s or a share in %, and of a memory in MB
+DEEP = 15
+PER_MB = 5.8  # rounds of `of_rounds(_, 190)` that fill a MB of the black box
 ALLOWED = (
     ("time", "240 min", "2880 min"),
     ("radius", "2000 m", "30000 m"),
@@ -65,9 +67,13 @@ class Sweep:
 
 
 def command(*words: str) -> Cost:
-    """The quickest of four runs of the program: what else the machine does only adds. RuntimeError
-    where it refuses: a refusal costs less than what it did not do."""
-    return min((_run(words) for _ in range(4)), key=lambda cost: cost.time)
+    """The quickest of four runs of the program, or of as many as begin within 10 s: what else the
+    machine does only adds. RuntimeError where it refuses: a refusal costs less than what it did not
+    do."""
+    costs = [_run(words)]
+    while len(costs) < 4 and sum(cost.time for cost in costs) < 10.0:
+        costs.append(_run(words))
+    return min(costs, key=lambda cost: cost.time)
 
 
 def _run(words: Sequence[str]) -> Cost:
@@ -88,6 +94,32 @@ def of_legs(count: int) -> str:
     words = (f"heading {90 if n % 2 else 270} ZAS{1 + n % 4} ZAF4 for 1s" for n in range(count - 1))
     legs = "".join(f"leg_{n}: {word}\n" for n, word in enumerate(words))
     return f"{HEAD}{legs}up: surface timeout 2min\n"
+
+
+def of_lines(count: int) -> str:
+    """So many lines: the head, groups of two legs of a second, of four lines each, and the end."""
+    groups, legs = divmod(count - HEAD.count("\n") - 1, 4)
+    body = (
+        "".join(
+            f"group g{n}:\n  out: heading 90 ZAS{1 + n % 4} ZAF4 for 1s\n  back: heading 270 for 1s\nend\n"
+            for n in range(groups)
+        )
+        + "heading 90 ZAF4 for 1s\n" * legs
+    )
+    return f"{HEAD}{body}up: surface timeout 2min\n"
+
+
+def of_states(count: int) -> str:
+    """Two states in three are legs of a second, the others groups, DEEP in one another."""
+    into, out = "", ""
+    nests = []
+    for n in range(count // 3):
+        into += f"group g{n}:\n  a{n}: heading 90 ZAS{1 + n % 4} ZAF4 for 1s\n"
+        out = f"  b{n}: heading 270 ZAF4 for 1s\nend\n{out}"
+        if n % DEEP == DEEP - 1 or n == count // 3 - 1:
+            nests.append(into + out)
+            into, out = "", ""
+    return f"{HEAD}{''.join(nests)}up: surface timeout 2min\n"
 
 
 def of_rounds(count: int, seconds: int = 5) -> str:
@@ -124,8 +156,20 @@ def flown(text: str) -> Cost:
         return command("simulate", *words)
 
 
-def minutes(count: int) -> str:
-    return of_rounds(round(60 * count / (2 * 190)), 190)
+def hours(count: int) -> Cost:
+    return flown(of_rounds(round(3600 * count / (2 * 190)), 190))
+
+
+def recorded(count: int, name: str, *options: str) -> Cost:
+    """What a command takes for a black box of so many MB, all parts together."""
+    text = of_rounds(round(PER_MB * count), 190)
+    with mission(text) as words, tempfile.TemporaryDirectory() as folder:
+        _run(("simulate", *words, "--report", folder))
+        size = sum(part.stat().st_size for part in Path(folder).glob("*.mcap")) / 1e6
+        if not 0.9 < size / count < 1.1:
+            raise RuntimeError(f"the black box has {size:.1f} MB instead of {count}: see PER_MB")
+        out = [option.format(folder) for option in options]
+        return command(name, f"{folder}/flight.mcap", *out)
 
 
 def boats(count: int) -> Cost:
@@ -141,9 +185,14 @@ def viewers(count: int) -> Cost:
 
 
 SWEEPS = {
-    "legs": Sweep("`check`, by legs", "legs", 1000, (100, 300, 1000, 3000, 4900), lambda n: checked(of_legs(n))),
-    "rounds": Sweep("`check`, by rounds of two legs", "rounds", 1000, (25, 100, 400, 1600, 2400), lambda n: checked(of_rounds(n))),
-    "minutes": Sweep("`simulate`, by minutes of flight", "minutes", 60, (19, 38, 76, 120), lambda n: flown(minutes(n))),
+    "legs": Sweep("`check`, by legs", "legs", 1000, (100, 300, 1000, 3000, 5000), lambda n: checked(of_legs(n))),
+    "lines": Sweep("`check`, by lines", "lines", 1000, (300, 1000, 3000, 9999), lambda n: checked(of_lines(n))),
+    "rounds": Sweep("`check`, by rounds of two legs", "rounds", 1000, (25, 100, 400, 1600, 2499), lambda n: checked(of_rounds(n))),
+    "states": Sweep("`check`, by states", "states", 1000, (300, 1000, 3000, 7494), lambda n: checked(of_states(n))),
+    "flown": Sweep("`simulate`, by lines", "lines", 1000, (300, 1000, 3000, 9999), lambda n: flown(of_lines(n))),
+    "hours": Sweep("`simulate`, by hours of flight", "hours", 1, (1, 2, 5, 10, 24), hours),
+    "log": Sweep("`log`, by MB of the black box", "MB", 1, (2, 5, 10), lambda n: recorded(n, "log")),
+    "report": Sweep("`report`, by MB of the black box", "MB", 1, (2, 5, 10), lambda n: recorded(n, "report", "-o", "{}/again.html")),
     "boats": Sweep("`serve`, by boats that ask `@AE` once a second", "boats", 10, (1, 10, 30, 100), boats, served=True),
     "viewers": Sweep("`serve`, by viewers who wish for everything five times a second", "viewers", 10, (1, 10, 30, 100), viewers, served=True),
 }  # fmt: skip
@@ -200,10 +249,11 @@ def bends(sweep: Sweep, points: Sequence[Point]) -> str:
         "memory": bend(points, lambda cost: cost.memory, NOISE[1]),
     }
     up_to = f"up to {points[-1].size:,} {sweep.counted}"
-    return "; ".join(
+    told = "; ".join(
         f"{what}: no bend {up_to}" if at is None else f"{what}: bends at {at:,} {sweep.counted}"
         for what, at in found.items()
-    ).capitalize() + "."  # fmt: skip
+    )
+    return f"{told[0].upper()}{told[1:]}."
 
 
 def _figure(value: float) -> str:
@@ -215,10 +265,10 @@ def measured(name: str) -> list[Point]:
 
 
 def main(names: Sequence[str] = ()) -> dict[str, float]:
-    """For `make bench`: what a leg more to check, and a minute more of flight, cost at the end of
+    """For `make bench`: what a leg more to check, and an hour more of flight, cost at the end of
     their lines, against the beginning."""
     figures = {}
-    for name in names or ("legs", "minutes"):
+    for name in names or ("legs", "hours"):
         points = measured(name)
         sys.stdout.write(f"{SWEEPS[name].says}\n{table(SWEEPS[name], points)}\n")
         before, last = marginals([points[0], *points[-2:]], 1, lambda cost: cost.time)

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Mapping
 from pathlib import Path
 
 from bench_growth import SWEEPS, Cost, Point
 
+COLUMNS = 5
 MARKED = re.compile(r"<!-- begin (\w+) -->\n(.*?)<!-- end \1 -->", re.DOTALL)
 
 
@@ -44,8 +46,10 @@ def draw(page: str, path: Path) -> None:
     from matplotlib.ticker import NullFormatter
 
     found = points_of(page)
-    figure = Figure(figsize=(3.0 * len(found), 3.0), layout="constrained")
-    for axes, (name, points) in zip(figure.subplots(1, len(found)), found.items(), strict=True):
+    rows = math.ceil(len(found) / COLUMNS)
+    figure = Figure(figsize=(3.0 * COLUMNS, 3.0 * rows), layout="constrained")
+    grid = figure.subplots(rows, COLUMNS).flat
+    for axes, (name, points) in zip(grid, found.items(), strict=False):
         sweep, sizes = SWEEPS[name], [point.size for point in points]
         time = "% of a core" if sweep.served else "s"
         axes.loglog(sizes, [point.cost.time for point in points], "o-", color="#2b5c8a", label=time)

@@ -222,8 +222,8 @@ BENCHES = (
         "bench_growth",
         "what grows how",
         (
-            Figure("legs_growth", "a leg more to check, up to 4900 against to 3000", "x", 1.5),
-            Figure("minutes_growth", "a minute more of flight, up to 120 against to 76", "x", 1.5),
+            Figure("legs_growth", "a leg more to check, up to 5000 against to 3000", "x", 1.5),
+            Figure("hours_growth", "an hour more of flight, up to 24 against to 10", "x", 1.5),
         ),
     ),
     Bench(

@@ -20,11 +20,17 @@ from bench_growth import (
     bend,
     checked,
     marginals,
+    mission,
     of_legs,
+    of_lines,
     of_rounds,
+    of_states,
     table,
 )
 from growth_picture import filled, points_of
+
+from mission.authoring.language import load, script
+from protocol.topside_frames import MOST_LINES
 
 SIZES = (1, 3, 10, 30, 100)
 
@@ -94,6 +100,29 @@ def test_a_process_tells_its_time_and_its_memory() -> None:
 
 
 @pytest.mark.proof
-def test_a_mission_that_the_check_refuses_is_no_row_of_a_table() -> None:
-    with pytest.raises(RuntimeError, match=r"exit 1\n(?s:.*)repeat less"):
-        checked(of_rounds(2500))
+@pytest.mark.parametrize(
+    ("text", "why"),
+    [
+        (of_rounds(2500), r"exit 1\n(?s:.*)more than 5000 legs are flown"),
+        (of_legs(5001), r"exit 1\n(?s:.*)more than 5000 legs are flown"),
+        (of_lines(10_000), r"exit 2\n(?s:.*)more than 9,999 statements"),
+        (of_states(7497), r"exit 2\n(?s:.*)more than 9,999 statements"),
+    ],
+    ids=["rounds", "legs", "lines", "states"],
+)
+def test_a_mission_beyond_the_last_row_is_refused(text: str, why: str) -> None:
+    with pytest.raises(RuntimeError, match=why):
+        checked(text)
+
+
+@pytest.mark.parametrize("count", SWEEPS["lines"].sizes)
+def test_a_mission_of_so_many_lines_is_uploaded_in_as_many(count: int) -> None:
+    with mission(of_lines(count)) as (path, *_):
+        assert len(script(load(Path(path)))) == count
+    assert count <= MOST_LINES
+
+
+@pytest.mark.parametrize("count", [3, 300, 7494])
+def test_states_are_legs_and_groups(count: int) -> None:
+    text = of_states(count)
+    assert text.count("heading") + text.count("group") == count

@@ -156,16 +156,18 @@ def test_a_broken_rule_that_is_undone_is_told_with_its_command(
 
 
 def test_a_soak_that_is_undone_is_told_with_its_command(monkeypatch: pytest.MonkeyPatch) -> None:
-    one = lambda days, known, vehicle, seed: unlucky() if seed == 4 else Summary({}, (), True)  # noqa: E731
+    one = lambda *args: unlucky() if args[-1] == 4 else Summary({}, (), True)  # noqa: E731
     monkeypatch.setattr(soak, "soak_alone", one)
     found, ran = told("faults --soak 0.5 --soaks 2 --seed 3 --vehicle rov")
     assert found == {"soaks": {"3": {}, "4": None}, "undone": [4]}
     assert again(ran) == ["auvmission faults --vehicle rov --seed 4 --soak 0.5"]
+    _, ran = told("faults --soak 0.5 --soaks 2 --seed 3 --calm")
+    assert again(ran) == ["auvmission faults --calm --seed 4 --soak 0.5"]
 
 
 def test_soaks_that_are_interrupted_tell_what_has_ended(monkeypatch: pytest.MonkeyPatch) -> None:
-    def interrupted(days: float, known: object, vehicle: object, seed: int) -> Summary:
-        if seed == 4:
+    def interrupted(*args: object) -> Summary:
+        if args[-1] == 4:
             raise KeyboardInterrupt
         return Summary({"missions": 7}, (), True)
 

@@ -76,9 +76,9 @@ class Program:
         self._vehicle, self.store, self._wall, self._judge = vehicle, store, wall, judge
         self._configuration = configuration or Configuration()
         self._recorder = recorder
-        self._tell_step: Callable[[Step], None] = lambda step: None
-        self._tell_estimate: Callable[[Estimate], None] = lambda estimate: None
+        self.listen(lambda step: None, lambda estimate: None)
         self._zero = 0.0
+        self.starts = 0
         self.runtime: Runtime | None = None
         self.navigation: Navigation | None = None  # of the runtime now, once it is loaded
         self._navigation_due: float | None = None
@@ -96,6 +96,7 @@ class Program:
     def boot(self, now: float, navigation_after: float = NAVIGATION_AFTER) -> None:
         """Start the program. If it dies in the first write, start again: the store kills once."""
         self._zero, wall = now, self._wall + now
+        self.starts += 1
         while self.runtime is None:
             with suppress(Died):
                 self.runtime = Runtime(
@@ -151,7 +152,9 @@ class Program:
         self._tell_step, self._tell_estimate = step, estimate
 
     def begin_again(self, now: float) -> None:
-        """Move the program to another rig, whose time 0 is ``now`` here. It continues to run."""
+        """Move the program to another rig, whose time 0 is ``now`` here. It continues to run, and
+        keeps nothing of the rig that it leaves."""
+        self.listen(lambda step: None, lambda estimate: None)
         self._zero -= now
         if self._navigation_due is not None:
             self._navigation_due -= now

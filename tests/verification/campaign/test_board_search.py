@@ -81,3 +81,5 @@ def test_a_soak_of_a_board_that_broke_a_law_is_told_with_its_vehicle() -> None:
     result = FlightResult(0, "words", (), (Violation("lost", 3.0, "gone"),), ())
     told = list(soak_story(Soaked(0.5), result, 7, "rov"))
     assert told[-1] == "  again: auvmission faults --vehicle rov --seed 7 --soak 0.50"
+    *_, calm = soak_story(Soaked(0.5041), result, 7, "auv", calmly=True)
+    assert calm == "  again: auvmission faults --calm --seed 7 --soak 0.51"  # not before it

@@ -30,7 +30,6 @@ from mission.verification.campaign.draw import CLUSTER, MOST, OUT_OF_HAND, draw
 from mission.verification.campaign.faults import fly_numbered, fly_plan
 from mission.verification.campaign.laws import IGNORED, LOST, OVERRUN, RAISED, violations
 from mission.verification.campaign.scene_texts import mission_of
-from mission.verification.campaign.soak import Soaked, grown, soak
 from mission.verification.campaign.trial import FOREVER, known_judge, try_out
 from mission.verification.campaign.whole_flight import throughout
 from mission.verification.campaign.word_laws import UNLAWFUL
@@ -403,51 +402,6 @@ def test_a_power_cut_takes_both_boards() -> None:
     trial = flown([Disturbance(60.0 + d.after, d.act) for d in cut])
     assert {Act.POWER, Act.KILL, Act.BOOT} <= {e.act for e in trial.events if isinstance(e, Done)}
     assert trial.state == SURFACED
-
-
-# --- the soak ------------------------------------------------------------------------------------
-
-
-@pytest.mark.proof
-def test_one_program_lives_through_missions_in_a_row(tmp_path: Path) -> None:
-    soaked = soak(0.06, 0, KNOWN, VEHICLE, tmp_path)
-    assert soaked.totals.clean
-    assert soaked.missions >= 3
-    assert soaked.totals.aborted["not started"] < soaked.missions
-    assert len(soaked.objects) == len(soaked.blocks) == soaked.missions
-    assert not soaked.broken_parts
-
-
-@pytest.mark.proof
-def test_soaks_of_several_seeds_say_what_each_says_alone_and_are_kept(tmp_path: Path) -> None:
-    file = tmp_path / "soaks.jsonl"
-    call = ["--soak", "0.001", "--seed", "3", "--soaks", "2", "--resume", str(file)]
-    done = CliRunner().invoke(faults, [*call, "--on", "processes", "--workers", "2"])
-    assert done.exit_code == 0, done.output
-    found = json.loads(done.stdout.splitlines()[-1])["soaks"]
-    for seed in (3, 4):
-        (folder := tmp_path / str(seed)).mkdir()
-        alone = soak(0.001, seed, KNOWN, VEHICLE, folder)
-        assert found[str(seed)]["digest"] == alone.totals.digest
-        assert found[str(seed)]["missions"] == alone.missions
-    assert found["3"]["digest"] != found["4"]["digest"]
-    again = CliRunner().invoke(faults, [*call, "--on", "local"])
-    assert json.loads(again.stdout.splitlines()[-1]) == {"soaks": found, "undone": []}
-
-
-def test_several_soaks_are_soaks() -> None:
-    done = CliRunner().invoke(faults, ["--soaks", "2"])
-    assert (done.exit_code, "--soaks needs --soak" in done.stderr) == (2, True)
-
-
-def test_a_leak_is_growth_and_one_large_mission_is_not() -> None:
-    flat = [100.0 + (i % 3) for i in range(60)]
-    assert grown(flat) <= 0.0
-    assert grown([*flat[:40], 150.0, *flat[41:]]) <= 0.0
-    assert grown([100.0 + i for i in range(60)]) > 0.3
-    leaking = Soaked(objects=flat, blocks=[100.0 + i for i in range(60)], resident=flat)
-    assert not leaking.flat
-    assert Soaked(objects=flat, blocks=flat, resident=flat).flat
 
 
 def test_surfacing_is_entered_for_a_reason_that_is_on_record() -> None:
