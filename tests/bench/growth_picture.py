@@ -60,4 +60,5 @@ def draw(page: str, path: Path) -> None:
         axes.legend(fontsize=7)
         axes.tick_params(labelsize=7)
         axes.xaxis.set_minor_formatter(NullFormatter())
+        axes.yaxis.set_minor_formatter(NullFormatter())
     figure.savefig(path, metadata={"Date": None})
