@@ -73,7 +73,10 @@ def test_a_compiled_build_that_cannot_be_made_is_said(
     assert last.startswith("the compiled build was not measured")
 
 
-def test_a_bench_runs_on_the_tree_and_the_program_of_its_build(tmp_path: Path) -> None:
+def test_a_bench_runs_on_the_tree_and_the_program_of_its_build(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("PYTHONDONTWRITEBYTECODE", "1")  # the second text is another one at once
     folder = tmp_path / "tests" / "bench"
     folder.mkdir(parents=True)
     shutil.copy(Path(__file__).parent / "run.py", folder)
