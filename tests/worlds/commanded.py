@@ -15,7 +15,7 @@ from served import PATIENCE, soon
 
 CODE = 128 + signal.SIGINT
 AT_ONCE = 2.0  # s that a command may take to end, with its processes, after Ctrl-C
-SLOWER = 10.0  # or as many times as long as a command that does nothing, on a machine that is slow
+SLOWER = 30.0  # or as many times as long as a command that does nothing, on a machine that is slow
 
 
 @contextmanager

@@ -45,7 +45,7 @@ _HINDERS = (Act.KILL, Act.STALL, Act.UNPLUG, Act.RUN, Act.BOOT, Act.PLUG, Act.EN
 def audit(events: Sequence[Event], vehicle: Vehicle) -> list[Spurious]:
     """Return the frames that nothing asked for, and the frames that were not repeated in time."""
     speech = Speech(vehicle)
-    found = [*_Auditor(speech, vehicle).walk(events), *_pace(events, speech.board.period)]
+    found = [*_Auditor(speech, vehicle).walk(events), *_pace(events, speech)]
     found += moves_asked(events)
     return sorted(found, key=lambda one: one.t)
 
@@ -162,13 +162,16 @@ def _shown(said: Motion) -> str:
     return " ".join(f"{name} {value:g}" for name, value in said.items() if value)
 
 
-def _pace(events: Sequence[Event], period: float) -> Iterator[Spurious]:
-    """Check the pace from the first frame of each run of the program on."""
+def _pace(events: Sequence[Event], speech: Speech) -> Iterator[Spurious]:
+    """Check the pace from the first motion of each run of the program on. A program that has asked
+    for none yet repeats outputs only, as often as R6 says."""
     last: float | None = None
+    period = speech.board.period
     for event in events:
         if isinstance(event, Done) and event.act in _HINDERS:
             last = None
         elif isinstance(event, Tx) and event.link == VEHICLE:
             if last is not None and event.t - last > period + SLACK_S:
                 yield Spurious(event.t, f"nothing was said for {event.t - last:.2f} s")
-            last = event.t
+            if last is not None or speech.motion(event.data):
+                last = event.t

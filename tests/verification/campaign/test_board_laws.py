@@ -160,6 +160,20 @@ def test_only_at_once_a_w_is_said_before_the_way_in_use(at: float, found: int) -
     assert len(told) == found
 
 
+@pytest.mark.parametrize(("moves_at", "found"), [(None, 0), (0.0, 1), (4.0, 0)])
+def test_outputs_alone_need_no_pace(moves_at: float | None, found: int) -> None:
+    """As mission 369 of the robot's soak of seed 63: told to end before it had moved anything."""
+    vehicle = load_vehicle("robot")
+    board = Speech(vehicle).board
+    video = bytes.fromhex("aa0203010000000000 00b0dd")
+    sent = [(t, video) for t in (0.0, 2.0, 4.0)]
+    if moves_at is not None:
+        sent += [(moves_at, board.encode(Order.STOP)[0])]
+    frames = [Tx(t, "vehicle", data, "in idle") for t, data in sorted(sent)]
+    told = [one for one in audit(frames, vehicle) if one.says.startswith("nothing was said")]
+    assert bool(told) == bool(found)
+
+
 @pytest.mark.parametrize("name", NAMES)
 def test_an_order_that_does_not_leave_at_once_is_ignored(name: str) -> None:
     def change(event: Event) -> Iterator[Event]:
