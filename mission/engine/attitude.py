@@ -97,11 +97,11 @@ class Attitude(NamedTuple):
             broken = report.t
         elif worst > _SIDEWAYS:
             repeats = _apart(roll, self.roll) < _SAME and _apart(pitch, self.pitch) < _SAME
-            sideways = self.sideways + (not repeats or not self.sideways)
+            sideways = max(self.sideways + (not repeats), 1)
             if worst > _ON_ITS_SIDE:
-                beyond = self.beyond + (not repeats or not self.beyond)
+                beyond = max(self.beyond + (not repeats), 1)
             if worst > OVERTURNED:
-                reports = self.reports + (not repeats or not self.reports)
+                reports = max(self.reports + (not repeats), 1)
         rolls, pitches = self.told and roll == self.roll, self.told and pitch == self.pitch
         driven = turns(report)
         repeated = (

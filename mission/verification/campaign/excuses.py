@@ -288,9 +288,8 @@ def unpowered(events: Sequence[Event]) -> list[tuple[float, float]]:
     """Return the times in which an operator's @RS at the vehicle keeps the receiver off."""
     times: list[tuple[float, float]] = []
     since: float | None = None
-    for event in events:
-        found = _RECEIVER.search(event.data) if isinstance(event, Tx) else None
-        if found is None or not isinstance(event, Tx) or event.link != VEHICLE:
+    for event in (e for e in events if isinstance(e, Tx) and e.link == VEHICLE):
+        if (found := _RECEIVER.search(event.data)) is None:
             continue
         if found[1] == b"C":
             since = event.t if since is None else since
