@@ -362,9 +362,10 @@ class Filter:
             return None
         return kf.y.item() ** 2 * kf.SI.item(), 1
 
-    def velocity(self, north: float, east: float, run: Motion) -> None:
-        """Correct by a receiver's velocity over ground, m/s (rejected beyond 4 sigma)."""
-        fig, x, p = self.figures, self.kalman.x, self.kalman.P
+    def velocity(self, north: float, east: float, run: Motion, noise: Array) -> None:
+        """Correct by a receiver's velocity over ground, m/s (rejected beyond 4 sigma).
+        ``noise``: its covariance, (m/s)^2."""
+        x, p = self.kalman.x, self.kalman.P
         sm, cm = math.sin(run.heading), math.cos(run.heading)
         true = run.heading - float(x[COMPASS]) - float(x[WANDER])
         true -= float(x[SIN]) * sm + float(x[COS]) * cm
@@ -387,8 +388,7 @@ class Filter:
         ):
             h[0, column], h[1, column] = n, e
         across = forward * forward * self._wander  # a density: fixes come once a second
-        r0, rc = fig.ground_velocity**2, -across * s * c
-        r = np.array(((r0 + across * s * s, rc), (rc, r0 + across * c * c)))
+        r = noise + across * np.array(((s * s, -s * c), (-s * c, c * c)))
         drift = x[WN:SCALE] if run.surfaced else np.zeros(2)
         y = np.array((north - vn, east - ve)) - x[CN:WN] - drift
         if float(y @ _inverse(h @ p @ h.T + r) @ y) < 16.0:

@@ -26,6 +26,7 @@ from mission.navigation.filter import Filter, Motion
 from mission.navigation.hull import correct, fits, innovation
 from mission.navigation.items import Aiding, GroundFix, Item, Report, Reported, agree
 from mission.navigation.model import RATE, Figures, propulsion
+from mission.navigation.seaway import Seaway
 from protocol.added import PLACE, RANGE
 
 GATE = 13.816  # chi-square, 2 degrees of freedom, 99.9 %
@@ -47,6 +48,7 @@ _LOST_TIME, _LOST_GROWTH, _LOST_MOST = 20.0, 0.05, 1.8  # without a compass: s; 
 _KEPT = (  # besides the filter and the speed
     *("t", "located", "last_fix", "nis", "fix_nis", "depth_seen", "altitude_seen", "_motion"),
     *("_driven_at", "_rejected", "_assumed", "_pending", "_used", "_before", "_added", "_waiting"),
+    *("_sea",),
 )
 _kept = operator.attrgetter(*_KEPT)
 
@@ -73,6 +75,7 @@ class Reckoner:
         self._before: tuple[float, Any, bool] | None = None  # when, the filter, whether assumed
         self._added: Mapping[str, Seen] = {}  # replaced, never written to
         self._waiting: tuple[Aiding, ...] = ()
+        self._sea = Seaway()
 
     def save(self) -> tuple[Any, ...]:
         return self.filter.save(), self._propulsion.speed, _kept(self)
@@ -378,11 +381,8 @@ class Reckoner:
             self._use(a, steady=steady and self.run(a.t, a.t).lost == 0.0)
 
     def _velocities(self, before: float) -> None:
-        """Use the receivers' speeds and courses since the report before.
-
-        Only now is it known how the vehicle moved between the two reports. If it gathered way or
-        turned, the time of such a velocity is not known well enough.
-        """
+        """Use the receivers' speeds and courses since the report before, unless the vehicle has
+        gathered way or turned since: then their times are not known well enough."""
         pending, self._pending = self._pending, ()
         steady = abs(self._propulsion.speed - before) < _STEADY_SPEED
         steady = steady and abs(self._motion.yaw_rate) <= _STEADY_TURN
@@ -392,7 +392,7 @@ class Reckoner:
         for f in pending:
             run = self.run(f.t, f.t)
             if f.velocity is not None and self._motion.heading is not None and run.lost == 0.0:
-                self.filter.velocity(*f.velocity, run)
+                self._sea = self._sea.used(self.filter, f.t, f.velocity, run)
 
 
 def _as_fix(place: Aiding) -> GroundFix:

@@ -6,7 +6,8 @@
 
 Current 0 to 0.5 m/s, compass bias to 10 deg, declination as the magnetic model has it there.
 
-    python tests/worlds/simulated_truth.py 500      the full sample (fixes | one: half of it)
+    python tests/worlds/simulated_truth.py 500            the full sample (fixes | one: half of it)
+    python tests/worlds/simulated_truth.py 500 one waves  the same, in waves
 """
 
 from __future__ import annotations
@@ -35,6 +36,7 @@ from protocol.vehicles.auv import AuvCodec
 HOME = Position(30.2874595, 120.1535765)
 CHI2_95 = 5.991
 _FOR_EVER = 1e9  # s
+KINDS = {"fixes": True, "one": False}  # whether there is time to learn before the dive
 Built = Callable[[str, int, Settings], SimulatedVehicle]
 
 
@@ -58,6 +60,10 @@ class Flight:
     def add(self, group: str, value: float, dof: int) -> None:
         self.nees.setdefault(group, []).append(value)
         self.dof[group] = dof
+
+
+def _waves(rng: Random) -> tuple[float, float]:
+    return rng.uniform(0.2, 0.75), rng.uniform(3.5, 12.0)
 
 
 def plan(rng: Random, *, learning: bool) -> list[Leg]:
@@ -115,9 +121,11 @@ def truthful(vehicle: Vehicle) -> Figures:
     )
 
 
-def fly(seed: int, profile: str, *, learning: bool) -> Flight:
+def fly(seed: int, profile: str, *, learning: bool, waves: bool = False) -> Flight:
     rng = Random(seed)
     sea = Sea(current=(rng.uniform(0.0, 0.5), rng.uniform(0.0, 2.0 * math.pi)))
+    if waves:
+        sea = replace(sea, waves=_waves(Random(f"waves {seed}")))
     errors = SensorErrors(
         declination=math.radians(-6.2), compass_bias=math.radians(rng.uniform(-10.0, 10.0))
     )
@@ -269,11 +277,12 @@ def sum_up(flights: Sequence[Flight]) -> Summary:
     )
 
 
-def main(seeds: int, kinds: Sequence[bool]) -> None:
+def main(seeds: int, kinds: Sequence[bool], *, waves: bool) -> None:
     """Odd seeds fly as built, even ones as documented."""
     for learning in kinds:
         flights = [
-            fly(i, ("documented", "as-built")[i % 2], learning=learning) for i in range(seeds)
+            fly(i, ("documented", "as-built")[i % 2], learning=learning, waves=waves)
+            for i in range(seeds)
         ]
         s = sum_up(flights)
         groups = ", ".join(
@@ -288,5 +297,9 @@ def main(seeds: int, kinds: Sequence[bool]) -> None:
 
 
 if __name__ == "__main__":
-    only = {"fixes": (True,), "one": (False,)}.get(sys.argv[-1], (True, False))
-    main(int(sys.argv[1]) if len(sys.argv) > 1 else 500, only)
+    count, asked = next(filter(str.isdigit, sys.argv[1:]), "500"), set(sys.argv[1:])
+    main(
+        int(count),
+        [learning for word, learning in KINDS.items() if word in asked] or [*KINDS.values()],
+        waves="waves" in asked,
+    )

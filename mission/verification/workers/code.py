@@ -16,6 +16,8 @@ from collections.abc import Iterator, Mapping
 from importlib.metadata import version
 from pathlib import Path
 
+import numpy as np
+
 import mission
 from mission import __version__
 from mission.model.compiled import build
@@ -61,7 +63,7 @@ def _arithmetic() -> str:
         own.predict(0.1 * n, run)
         own.vertical(0.17 * n, 20.0 - 0.31 * n)
         own.fix(1.1 * n, 0.7 * n, 6.0 + n)
-        own.velocity(0.13 * n, 0.11, run)
+        own.velocity(0.13 * n, 0.11, run, 0.01 * np.eye(2))
     values = [f(0.37 * n) for f in _FUNCTIONS for n in range(1, 100)]
     bits = own.x.tobytes() + own.covariance.tobytes() + struct.pack(f"{len(values)}d", *values)
     return hashlib.sha256(bits).hexdigest()[:8]
