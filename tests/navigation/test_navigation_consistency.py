@@ -37,7 +37,9 @@ def in_waves() -> Summary:
 
 
 def test_nees_of_every_state_group_is_within_its_bounds(summary: Summary) -> None:
-    assert not _outside(summary, summary.nees), summary
+    """That of the current may be less: one velocity does not show that there are no waves."""
+    assert not _outside(summary, summary.nees.keys() - {"current"}), summary
+    assert 0.5 < summary.nees["current"] < summary.bounds["current"][1], summary
 
 
 def test_nees_of_the_way_is_within_its_bounds_in_waves(in_waves: Summary) -> None:
@@ -56,8 +58,7 @@ def test_innovations_of_fixes_are_as_large_as_they_are_believed(summary: Summary
 def test_the_ellipse_holds_the_truth_as_often_as_it_says_or_more(
     summary: Summary, in_waves: Summary
 ) -> None:
-    """More in still water, since one velocity does not show that there are no waves. With every
-    velocity believed, 70 % in waves."""
+    """With every velocity believed, 70 % in waves."""
     assert 0.93 < summary.coverage < 0.99
     assert 0.93 < in_waves.coverage < 0.99
 
