@@ -230,6 +230,20 @@ def unknown_and_heavy(settings: Settings, end: float) -> int:
     )
 
 
+def sinks_for_a_round(settings: Settings, end: float) -> bool:
+    """Whether before ``end`` the vehicle sinks by itself under a board that is deaf to full thrust.
+
+    From rest the ascent begins with that, twice as long if it was let go at the surface before;
+    letting go comes next, twice as long behind a push that led deeper; only then W (R7).
+    """
+    deaf = [f for f in settings.faults if f.name == "deaf_to_u"]
+    return any(
+        f.begin <= t < min(fault_ends(f), end) and net(settings, float(t)) < SLIGHT
+        for f in deaf
+        for t in range(int(end))
+    )
+
+
 def untamed(settings: Settings, events: Sequence[Event], end: float) -> int:
     """Return the seconds before ``end`` in which a board dives until U12 or X, and no depth tells.
 

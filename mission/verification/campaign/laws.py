@@ -18,10 +18,11 @@ operator's limits (an acknowledged @SP). The laws explain:
                            one is known (five identical samples), 6 s without a depth (design)
                 + all      the time in which nobody controls the vehicle: a board that hangs, is
                            deaf or dives by itself, a pulled cable, a dead program, each with the
-                           11 s of another ascent, or the 40 s of another round where the board
+                           11 s of another ascent, or the 50 s of another round where the board
                            obeys only one of its ways; a stalled program; the time in which no
                            command that the board obeys could lift the vehicle, or it sinks by
                            itself while its depth sensor does not move with it (excuses)
+                + a round  50 s of sinking by its weight, if the board is deaf to full thrust
                 + beside   m by which depths read too shallow: an offset, a drift, a delay; a depth
                            that is stuck within half a metre of the setpoint leads down with
                            0.25 m/s unseen
@@ -57,6 +58,7 @@ from mission.verification.campaign.excuses import (
     lied,
     overturned_untold,
     overturns,
+    sinks_for_a_round,
     spoils_a_turn,
     unknown_and_heavy,
     unpowered,
@@ -230,7 +232,10 @@ def dive(settings: Settings, profile: str, trial: Trace) -> float:
     pulled = zip(_acts(trial, Act.UNPLUG), _acts(trial, Act.PLUG), strict=False)
     seconds += sum(plug - unplug + UNPROVED for unplug, plug in pulled)
     seconds += sum(end - begin for begin, end in stalls(trial.events))
-    return DEPTH_MARGIN + DEPTH_ERROR + _unseen(settings, trial, speed) + speed * seconds
+    sinks = math.sqrt(max(heavy - body.buoyancy, 0.0) / body.quadratic[2])
+    round_ = sinks * WHOLE_ROUND * sinks_for_a_round(settings, end)
+    beside = _unseen(settings, trial, speed)
+    return DEPTH_MARGIN + DEPTH_ERROR + beside + round_ + speed * seconds
 
 
 def _unseen(settings: Settings, trial: Trace, speed: float) -> float:

@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 
@@ -35,9 +37,10 @@ from mission.verification.campaign.excuses import (
     unknown_and_heavy,
     unpowered,
     untamed,
+    value_of,
 )
 from mission.verification.campaign.faults import shipped, subjects
-from mission.verification.campaign.home import lost
+from mission.verification.campaign.home import WHOLE_ROUND, lost
 from mission.verification.campaign.laws import dive
 from mission.verification.campaign.scene_texts import mission_of
 from mission.verification.rig.acts import Act
@@ -73,6 +76,28 @@ def body(*faults: str) -> Settings:
 def test_what_no_word_lifts_that_the_board_obeys_is_physics(profile, faults, lifted):
     assert (lift(body(*faults), profile, 20.0) > 1.0) is lifted
     assert (helpless(body(*faults), profile, 20.0) == 0) is lifted
+
+
+@pytest.mark.parametrize(
+    ("faults", "rounds"),
+    [
+        (("heavy=40@10+1000000", "deaf_to_u@20+165"), 1),  # as flight 1349 of seed 12742
+        (("heavy=40@10+1000000",), 0),
+        (("deaf_to_u@20+165",), 0),
+        (("heavy=40@10+20", "deaf_to_u@40+165"), 0),
+        (("heavy=40@10+1000000", "deaf_to_w@20+165"), 0),
+    ],
+)
+def test_what_sinks_from_rest_and_is_deaf_to_full_thrust_sinks_for_a_round(faults, rounds):
+    """Full thrust and letting go have twice their turns before W lifts it (R7)."""
+    settings = parse_settings([f"fault={fault}" for fault in faults])
+    trial: Any = SimpleNamespace(events=[], truth=SimpleNamespace(t=300.0))
+    weights = tuple(fault for fault in settings.faults if fault.name == "heavy")
+    hears = replace(settings, faults=weights)
+    more = dive(settings, "documented", trial) - dive(hears, "documented", trial)
+    weight = sum(value_of(fault) for fault in weights) - settings.body.buoyancy
+    sinks = math.sqrt(max(weight, 0.0) / settings.body.quadratic[2])
+    assert more == pytest.approx(rounds * WHOLE_ROUND * sinks)
 
 
 @pytest.mark.parametrize(("heavy", "lifted"), [(54.0, True), (57.0, False), (58.0, False)])
