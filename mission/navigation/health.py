@@ -229,6 +229,10 @@ class SensorHealth:
         there."""
         return self.monitors["depth"].good >= FIX_DEPTH and self.of("depth", now).valid
 
+    def afloat(self, now: float) -> bool:
+        """Whether a believed depth is at the surface."""
+        return self.monitors["depth"].good < FIX_DEPTH and self.of("depth", now).valid
+
     def forget(self, channel: str) -> None:
         self.monitors[channel] = _Monitor()
 

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from mission.navigation.model import Figures
 
 _LATEST = 15.0  # s: an item that is later is dropped
-_AIDS_APART = 0.8  # s between two values of a sensor that count: one a second, with jitter
+_APART = 0.8  # s between two values of a sensor that count: one a second, with jitter
 _KEEP = 64  # items of input that the filter can go back over
 _NEARLY = 1.0  # s: an item that is at most so much older than those counts as of the first
 _FAR = 100_000.0  # m from the origin: up to there the plane is accurate enough
@@ -60,6 +60,8 @@ class Navigation:
         self._aided: Mapping[str, float] = {}  # times of values; replaced, never written to
         self.dropped = 0  # items that came too late
         self._own_off = 0.0, 0.0  # m: error of the vehicle's own position when fixes last came
+        self._fixed_at = -math.inf  # s: of the receiver's last fix that counted: one a second does
+        self._placed_at = -math.inf  # s: of the last fix, or own position at the surface
         self.frame: LocalFrame | None = None
         self._counted = origin is not None  # positions count from there, or from a mission's start
         self._declination = vehicle.declination or 0.0
@@ -155,6 +157,10 @@ class Navigation:
             return
         if not self._health.fix(f):
             return
+        if not own:
+            if 0.0 <= f.t - self._fixed_at < _APART:
+                return
+            self._fixed_at = f.t
         if self._date is None and f.utc is not None:
             self._date = f.utc
             self._decline()
@@ -164,6 +170,10 @@ class Navigation:
         north, east = self.frame.to_local(f.latitude, f.longitude)
         if own:
             north, east = north - self._own_off[0], east - self._own_off[1]
+        if own and not self._health.afloat(f.t):
+            self._reckoned(f.t, north, east)
+            return
+        self._placed_at = f.t
         sigma = f.accuracy if 0.0 < f.accuracy < math.inf else self._vehicle.sensors.fix
         velocity = None
         if f.speed is not None and f.course is not None:
@@ -171,6 +181,14 @@ class Navigation:
         self._take(GroundFix(f.t, north, east, sigma * sigma, velocity))
         if not self._counted and math.hypot(north, east) > _FAR:
             self._go_there(f, sigma)
+
+    def _reckoned(self, t: float, north: float, east: float) -> None:
+        """Take a position that the vehicle reckons, not known to be at the surface. It is no fix:
+        it may see no current. Its error lasts: all since the surface tell what the last does."""
+        since = max(t - self._placed_at, 1.0)
+        if since < math.inf:
+            sigma = math.hypot(self._vehicle.sensors.fix, self._vehicle.current * since)
+            self._take(Aiding(t, PLACE, (north, east), sigma * math.sqrt(since), "own"))
 
     def _go_there(self, f: Fix, sigma: float) -> None:
         """Move the frame to a fix that was used, if the frame cannot express its place: then the
@@ -203,7 +221,7 @@ class Navigation:
         source = f"{a.values[0]:g}" if a.kind == RANGE else ""
         sigma = self._vehicle.added.get(a.kind, ADDED[a.kind].sigma)
         item = Aiding(a.t, a.kind, a.values, sigma, source)
-        if abs(a.t - self._aided.get(item.key, -math.inf)) < _AIDS_APART:
+        if abs(a.t - self._aided.get(item.key, -math.inf)) < _APART:
             return
         self._aided = {**self._aided, item.key: a.t}
         if a.kind in (PLACE, RANGE):
@@ -336,11 +354,12 @@ class Navigation:
         health = self._health
         judges = health.receiver.clone(), health.own.clone(), health.belief.clone()
         seen = health.moving, *judges
-        late = self._aided, self.dropped
+        late = self._aided, self.dropped, self._fixed_at, self._placed_at
         return self.core.save(), monitors, tuple(self._history), kept, seen, late
 
     def restore(self, snapshot: Any) -> None:
-        core, monitors, history, kept, seen, (self._aided, self.dropped) = snapshot
+        core, monitors, history, kept, seen, late = snapshot
+        self._aided, self.dropped, self._fixed_at, self._placed_at = late
         self.core.load(core)
         self._health.monitors = {name: copy(m) for name, m in monitors.items()}
         self._health.moving, receiver, own, belief = seen

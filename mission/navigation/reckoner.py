@@ -391,8 +391,8 @@ class Reckoner:
             return
         for f in pending:
             run = self.run(f.t, f.t)
-            if f.velocity is not None and self._motion.heading is not None and run.lost == 0.0:
-                self._sea = self._sea.used(self.filter, f.t, f.velocity, run)
+            if self._motion.heading is not None and run.lost == 0.0:
+                self._sea = self._sea.used(self.filter, f, run)
 
 
 def _as_fix(place: Aiding) -> GroundFix:

@@ -58,8 +58,9 @@ def test_innovations_of_fixes_are_as_large_as_they_are_believed(summary: Summary
 def test_the_ellipse_holds_the_truth_as_often_as_it_says_or_more(
     summary: Summary, in_waves: Summary
 ) -> None:
-    """With every velocity believed, 70 % in waves."""
-    assert 0.93 < summary.coverage < 0.99
+    """More in still water, where little is believed of one velocity (its NEES bounds by how much).
+    With every velocity believed, 70 % in waves."""
+    assert summary.coverage > 0.93
     assert 0.93 < in_waves.coverage < 0.99
 
 

@@ -5,8 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from types import SimpleNamespace
-from typing import Any
 
 import pytest
 
@@ -91,7 +89,8 @@ def test_what_no_word_lifts_that_the_board_obeys_is_physics(profile, faults, lif
 def test_what_sinks_from_rest_and_is_deaf_to_full_thrust_sinks_for_a_round(faults, rounds):
     """Full thrust and letting go have twice their turns before W lifts it (R7)."""
     settings = parse_settings([f"fault={fault}" for fault in faults])
-    trial: Any = SimpleNamespace(events=[], truth=SimpleNamespace(t=300.0))
+    trial = seen((), SURFACED)
+    trial = replace(trial, truth=trial.truth._replace(t=300.0))
     weights = tuple(fault for fault in settings.faults if fault.name == "heavy")
     hears = replace(settings, faults=weights)
     more = dive(settings, "documented", trial) - dive(hears, "documented", trial)
