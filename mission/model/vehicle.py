@@ -251,6 +251,13 @@ class Vehicle:
         default_factory=dict, metadata=UNSAID
     )
     beacons: Mapping[str, Beacon] = field(default_factory=dict, metadata=UNSAID)  # by number
+    reckoning: float | None = field(default=None, metadata=UNSAID)  # m/s, drift of its own position
+
+    @property
+    def reckoned(self) -> float:
+        """How fast the vehicle's own position drifts under water, m/s: as if it saw no current,
+        unless the vehicle file says less or more."""
+        return self.current if self.reckoning is None else self.reckoning
 
     def output(self, name: str) -> Output | None:
         return next((output for output in self.outputs if output.name == name), None)

@@ -72,6 +72,7 @@ _KNOWN = _known()
 _MAY_LACK = (
     "ascent_measured",
     "stale_after",
+    "reckoning",
     "glides",
     "drives",
     "wire",
@@ -322,6 +323,7 @@ def _vehicle(file: _File) -> Vehicle:
         wire=file.texts("wire"),
         outer_loop=_outer_loop(file),
         added={kind: file.number(f"added.{kind}") for kind in file.names("added")},
+        reckoning=None if math.isnan(drift := number("reckoning")) else drift,
     )
 
 

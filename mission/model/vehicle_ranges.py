@@ -62,6 +62,7 @@ RANGES: Mapping[str, Range] = MappingProxyType(
         "ascent_thrust": _RISE,
         "turn_rate": Range("deg/s", 0.1, 360),
         "current": _FLOW,
+        "reckoning": _FLOW,
         "battery.usable": Range("Wh", 0, 1e6, above=True),
         "battery.hotel": _POWER,
         "battery.vertical": _POWER,

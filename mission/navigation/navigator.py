@@ -187,7 +187,7 @@ class Navigation:
         it may see no current. Its error lasts: all since the surface tell what the last does."""
         since = max(t - self._placed_at, 1.0)
         if since < math.inf:
-            sigma = math.hypot(self._vehicle.sensors.fix, self._vehicle.current * since)
+            sigma = math.hypot(self._vehicle.sensors.fix, self._vehicle.reckoned * since)
             self._take(Aiding(t, PLACE, (north, east), sigma * math.sqrt(since), "own"))
 
     def _go_there(self, f: Fix, sigma: float) -> None:

@@ -242,3 +242,12 @@ def test_beacons_are_places_and_depths_by_their_numbers() -> None:
 def test_what_is_no_beacon_is_refused_with_an_example(wrong: str) -> None:
     with pytest.raises(VehicleError, match=r"30\.28800 120\.15400 4 m|0 to 127"):
         read_vehicle(f"{AUV}beacons: {{{wrong}}}\n", "mine")
+
+
+def test_its_own_position_drifts_as_fast_as_a_current_unless_the_file_says_how_fast() -> None:
+    text = (missions_folder() / "vehicles" / "coreboard.yaml").read_text(encoding="utf-8")
+    usual, stated = read_vehicle(text, "a"), read_vehicle(f"{text}\nreckoning: 0.02 m/s\n", "a")
+    assert (usual.reckoning, usual.reckoned) == (None, usual.current)
+    assert stated.reckoned == 0.02
+    with pytest.raises(VehicleError, match="reckoning: 20 m/s is out of range"):
+        read_vehicle(f"{text}\nreckoning: 20 m/s\n", "a")

@@ -313,16 +313,22 @@ def reckoned(nav: Navigation, begin: int, end: int, north: float, fixes: bool) -
     return estimate.north
 
 
-def test_a_receiver_is_believed_against_what_the_vehicle_reckons_itself(vehicle: Vehicle) -> None:
+@pytest.mark.parametrize(("drift", "least", "most"), [(None, 0.5, 5.0), (0.01, 15.0, 30.0)])
+def test_a_receiver_is_believed_against_what_the_vehicle_reckons_itself(
+    vehicle: Vehicle, drift: float | None, least: float, most: float
+) -> None:
+    vehicle = replace(vehicle, reckoning=drift)
     nav = Navigation(vehicle, HOME)
     assert reckoned(nav, 0, 20, 100.0, fixes=False) == pytest.approx(100.0, abs=1.0)
     assert reckoned(nav, 20, 30, 100.0, fixes=True) == pytest.approx(0.0, abs=3.0)
     assert reckoned(nav, 30, 60, 100.0, fixes=True) == pytest.approx(0.0, abs=1.0)
     kept, nav = nav.snapshot(), Navigation(vehicle)
     nav.restore(kept)
-    # under water it tells how far the vehicle has come, and moves it nowhere else
+    # under water it tells how far the vehicle has come, as surely as the vehicle file says
     assert reckoned(nav, 60, 90, 100.0, fixes=False) == pytest.approx(0.0, abs=1.0)
-    assert reckoned(nav, 90, 120, 130.0, fixes=False) == pytest.approx(30.0, abs=2.0)
+    for metres in range(30):
+        reckoned(nav, 90 + metres, 91 + metres, 101.0 + metres, fixes=False)
+    assert least < reckoned(nav, 120, 180, 130.0, fixes=False) < most
     # and so it is told to whoever asks for a home
     latitude, longitude = math.radians(HOME.latitude_deg), math.radians(HOME.longitude_deg)
     told = nav.less_off(Fix(120.0, latitude + 130.0 / EARTH, longitude, math.inf))
