@@ -31,6 +31,7 @@ if TYPE_CHECKING:
 
 _LATEST = 15.0  # s: an item that is later is dropped
 _APART = 0.8  # s between two values of a sensor that count: one a second, with jitter
+_FIX = "fix"  # the source of the receivers' fixes, beside the kinds of added sensors
 _KEEP = 64  # items of input that the filter can go back over
 _NEARLY = 1.0  # s: an item that is at most so much older than those counts as of the first
 _FAR = 100_000.0  # m from the origin: up to there the plane is accurate enough
@@ -57,10 +58,9 @@ class Navigation:
         self._health = SensorHealth(vehicle.reports, vehicle.stale_after)
         self.core = Reckoner(vehicle, figures or believed(vehicle))
         self._history: deque[tuple[Item, tuple[Any, ...]]] = deque(maxlen=_KEEP)
-        self._aided: Mapping[str, float] = {}  # times of values; replaced, never written to
+        self._heard: Mapping[str, float] = {}  # times of values; replaced, never written to
         self.dropped = 0  # items that came too late
         self._own_off = 0.0, 0.0  # m: error of the vehicle's own position when fixes last came
-        self._fixed_at = -math.inf  # s: of the receiver's last fix that counted: one a second does
         self._placed_at = -math.inf  # s: of the last fix, or own position at the surface
         self.frame: LocalFrame | None = None
         self._counted = origin is not None  # positions count from there, or from a mission's start
@@ -157,10 +157,8 @@ class Navigation:
             return
         if not self._health.fix(f):
             return
-        if not own:
-            if 0.0 <= f.t - self._fixed_at < _APART:
-                return
-            self._fixed_at = f.t
+        if not own and not self._due(_FIX, f.t):
+            return
         if self._date is None and f.utc is not None:
             self._date = f.utc
             self._decline()
@@ -214,6 +212,13 @@ class Navigation:
             north, east = self.frame.to_local(own.latitude, own.longitude)
             self._own_off = north - float(x[0]), east - float(x[1])
 
+    def _due(self, source: str, t: float) -> bool:
+        """Whether a value counts: one a second of each source does, however often it reports."""
+        if abs(t - self._heard.get(source, -math.inf)) < _APART:
+            return False
+        self._heard = {**self._heard, source: t}
+        return True
+
     def aid(self, a: Aid) -> None:
         """Take a value of an added sensor. Without a frame, a place or a range is ignored; so is
         the range to a beacon that the vehicle file does not have. However often a sensor reports,
@@ -221,9 +226,8 @@ class Navigation:
         source = f"{a.values[0]:g}" if a.kind == RANGE else ""
         sigma = self._vehicle.added.get(a.kind, ADDED[a.kind].sigma)
         item = Aiding(a.t, a.kind, a.values, sigma, source)
-        if abs(a.t - self._aided.get(item.key, -math.inf)) < _APART:
+        if not self._due(item.key, a.t):
             return
-        self._aided = {**self._aided, item.key: a.t}
         if a.kind in (PLACE, RANGE):
             if self.frame is None:
                 return
@@ -354,12 +358,12 @@ class Navigation:
         health = self._health
         judges = health.receiver.clone(), health.own.clone(), health.belief.clone()
         seen = health.moving, *judges
-        late = self._aided, self.dropped, self._fixed_at, self._placed_at
+        late = self._heard, self.dropped, self._placed_at
         return self.core.save(), monitors, tuple(self._history), kept, seen, late
 
     def restore(self, snapshot: Any) -> None:
         core, monitors, history, kept, seen, late = snapshot
-        self._aided, self.dropped, self._fixed_at, self._placed_at = late
+        self._heard, self.dropped, self._placed_at = late
         self.core.load(core)
         self._health.monitors = {name: copy(m) for name, m in monitors.items()}
         self._health.moving, receiver, own, belief = seen

@@ -48,7 +48,7 @@ _LOST_TIME, _LOST_GROWTH, _LOST_MOST = 20.0, 0.05, 1.8  # without a compass: s; 
 _KEPT = (  # besides the filter and the speed
     *("t", "located", "last_fix", "nis", "fix_nis", "depth_seen", "altitude_seen", "_motion"),
     *("_driven_at", "_rejected", "_assumed", "_pending", "_used", "_before", "_added", "_waiting"),
-    *("_sea",),
+    "_sea",
 )
 _kept = operator.attrgetter(*_KEPT)
 

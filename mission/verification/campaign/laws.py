@@ -209,8 +209,8 @@ def dive(settings: Settings, profile: str, trial: Trace) -> float:
         return math.inf
     body = settings.body
     heavy = sum(f.value or 8.0 for f in settings.faults if f.name == "heavy")
-    thrust = 3.0 * body.vertical_thrust - (body.buoyancy - heavy)
-    speed = math.sqrt(max(thrust, 0.0) / body.quadratic[2])
+    weight = heavy - body.buoyancy  # in water
+    speed = math.sqrt(max(3.0 * body.vertical_thrust + weight, 0.0) / body.quadratic[2])
     diving = [f for f in settings.faults if f.name.startswith("dives_")]
     dives = [f.name for f in diving]
     in_vain = profile == "as-built" or bool(dives)
@@ -232,10 +232,10 @@ def dive(settings: Settings, profile: str, trial: Trace) -> float:
     pulled = zip(_acts(trial, Act.UNPLUG), _acts(trial, Act.PLUG), strict=False)
     seconds += sum(plug - unplug + UNPROVED for unplug, plug in pulled)
     seconds += sum(end - begin for begin, end in stalls(trial.events))
-    sinks = math.sqrt(max(heavy - body.buoyancy, 0.0) / body.quadratic[2])
-    round_ = sinks * WHOLE_ROUND * sinks_for_a_round(settings, end)
-    beside = _unseen(settings, trial, speed)
-    return DEPTH_MARGIN + DEPTH_ERROR + beside + round_ + speed * seconds
+    beside = DEPTH_MARGIN + DEPTH_ERROR + _unseen(settings, trial, speed)
+    if sinks_for_a_round(settings, end):
+        beside += WHOLE_ROUND * math.sqrt(max(weight, 0.0) / body.quadratic[2])
+    return beside + speed * seconds
 
 
 def _unseen(settings: Settings, trial: Trace, speed: float) -> float:
