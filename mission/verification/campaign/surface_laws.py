@@ -113,13 +113,15 @@ def _is_at_surface(story: Story, stay: Stay) -> Iterator[Violation]:
 def _come_round(story: Story, t: float) -> bool:
     """Whether a receiver sends its old places for the first time since the program began.
 
-    No fix has come since then, because the vehicle was under water until the fault began. So none
-    of these places has come twice to this program.
+    No fix has come since then, because the vehicle was under water until just before the fault. A
+    receiver looks for a place once a second. The first place after a dive comes a second after it
+    finds its antenna above water, or later. So none of the old places has come twice to this
+    program.
     """
     booted = max((done.t for done in story.done if done.act is Act.BOOT and done.t < t), default=t)
     for fault in story.faults(REPEATING, booted, t):
         places = value_of(fault) if fault.name == "gps_in_turn" else 1.0
-        times = (booted, *range(math.ceil(booted), int(fault.begin) + 1), fault.begin)
+        times = (booted, *range(math.ceil(booted), math.ceil(fault.begin) - 1))  # until then no fix
         under = all(story.depth(at) > _FIXED + story.settings.sea.waves[0] for at in times)
         if booted < fault.begin and under and t <= fault.begin + places + _FIRST_FIX:
             return True

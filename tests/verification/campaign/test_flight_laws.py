@@ -346,6 +346,30 @@ def test_a_receiver_that_repeats_places_has_not_come_round_to_a_program_that_beg
 
 
 @pytest.mark.parametrize(
+    ("up", "begin", "first"),
+    [
+        (464.5, 464.8, True),
+        (463.4, 464.8, True),
+        (462.9, 464.8, False),
+        (464.5, 465.0, True),
+        (462.9, 465.0, False),
+    ],
+)
+def test_no_fix_has_come_to_a_program_whose_vehicle_came_up_just_before_the_old_places(
+    up: float, begin: float, first: bool
+) -> None:
+    """As flight 18379 of seed 12944: killed in a leg, up at 464.5 s, three places in turn 0.3 s
+    later. A receiver that is up at a whole second has its first place a second later."""
+    told = SimpleNamespace(
+        done=[Done(444.2, Act.BOOT)],
+        faults=lambda *_: [FaultEvent("gps_in_turn", begin, 30.4, 3.945)],
+        depth=lambda t: 0.3 if t >= up else 5.0,
+        settings=Settings(),
+    )
+    assert _come_round(told, 466.3) is first  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
     ("degrees", "seen", "broken"), [(92, 6, False), (92, 7, True), (110, 5, True), (75, 5, True)]
 )
 def test_a_roll_of_ninety_degrees_may_take_six_reports(
