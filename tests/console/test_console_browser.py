@@ -184,6 +184,7 @@ def has_still_track(plan: playwright.Locator) -> None:  # type: ignore[name-defi
     chart.to_have_attribute("data-still", "planned", timeout=FLOWN_MS)
 
 
+STILL_BANNER = "document.querySelector('#banner').style.height = '90px'"  # whatever it says
 SLID = "px => { document.body.style.paddingTop = px + 'px'; }"
 
 
@@ -194,16 +195,19 @@ def drags_a_place_and_undoes_it(
 ) -> None:
     """The first behind home, and has it where it was dragged to in the end: one line is another."""
     expect, first = playwright.expect, code.input_value()
+    page.evaluate(STILL_BANNER)
     chart.press("n")  # home
     chart.press("n")  # what is chosen stands in the middle
-    box = chart.bounding_box()  # as late as can be: an alarm that comes or goes moves the page
+    box = chart.bounding_box()
     assert box is not None
     middle = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
     page.mouse.move(*middle)
     page.mouse.down()
     page.mouse.move(middle[0] + 5, middle[1] + 4, steps=4)  # its purpose holds at any scale
     page.mouse.up()
-    expect(code).not_to_have_value(first)
+    says = page.locator(".plan-says").text_content()
+    seen = f"chart at {box}, then at {chart.bounding_box()}; the plan says {says!r}"
+    expect(code, seen).not_to_have_value(first)
     moved = code.input_value()
     rows = zip(first.split("\n"), moved.split("\n"), strict=True)
     assert sum(before != after for before, after in rows) == 1

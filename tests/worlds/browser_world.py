@@ -93,6 +93,7 @@ def seated(chromium: object, running: Console, **more: object) -> Iterator[Seat]
     size = {"width": 1400, "height": 900}
     asked = {"viewport": size, "locale": "en-GB"} | more
     context = chromium.new_context(**asked)  # type: ignore[attr-defined]
+    context.set_default_timeout(1000 * PATIENCE)
     seat = Seat(context.new_page())
     seat.page.on("console", lambda message: seat.said.append(message.text))
     seat.page.on("pageerror", lambda error: seat.said.append(str(error)))
