@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from math import degrees, pi, radians
+from itertools import pairwise
+from math import degrees, dist, pi, radians
+from random import Random
 
 import pytest
 
 from links.base import LinkClosed
 from links.simulated.boards import BOARDS, SimulatedBoard
-from links.simulated.firmware.boards import ALIGNS, RobotBoard
+from links.simulated.firmware.boards import RobotBoard
+from links.simulated.firmware.ins import ALIGNS, Ins
 from links.simulated.ground import Ground
 from links.simulated.link import SimulatedVehicle
 from links.simulated.settings import SettingError, Settings, parse_settings
@@ -97,12 +100,36 @@ def test_the_core_board_holds_heading_and_depth_in_closed_loop() -> None:
     assert degrees(vehicle.plant.yaw) % 360 == pytest.approx(120.0, abs=4.0)
 
 
-def test_the_core_board_tells_a_place_only_while_its_ins_is_aligned() -> None:
+def test_the_core_boards_own_position_scatters_at_the_surface_and_drifts_under_water() -> None:
     vehicle = SimulatedBoard("coreboard")
-    say(vehicle, Setpoint(), 0.0, 5.0)
-    assert run(vehicle, 5.0)[-1].position
-    say(vehicle, Setpoint(heading=0.0, depth=3.0), 5.0, 30.0)
-    assert all(t.position is None for t in run(vehicle, 30.0)[-20:])
+    say(vehicle, Setpoint(), 0.0, 10.0)
+    said = run(vehicle, 10.0)[-50:]
+    say(vehicle, Setpoint(heading=0.0, depth=3.0), 10.0, 60.0)
+    surface, deep = velocities(said), velocities(run(vehicle, 60.0)[-300:])
+    assert len(surface) == 49
+    assert len(deep) == 299
+    assert max(surface) > 10.0
+    assert min(deep) > 0.0
+    assert max(deep) < 0.5
+    assert max(deep) - min(deep) < 0.01
+
+
+def velocities(said: list[Telemetry]) -> list[float]:
+    """By its own positions, m/s."""
+    places = [t.position for t in said if t.position]
+    return [10.0 * 6.4e6 * dist(a, b) for a, b in pairwise(places)]
+
+
+def test_an_ins_that_has_never_been_at_the_surface_knows_no_place() -> None:
+    ins, true = Ins(Random(1)), (0.5, 2.1)
+    assert ins.place(true, 0.1, 100.0) is None
+    ins.switch(True, 0.0)
+    assert ins.place(true, 5.0, 10.0) is None
+    assert ins.place(true, 0.1, 11.0)
+    assert ins.place(true, 5.0, 12.0)
+    ins.switch(False, 13.0)
+    ins.switch(True, 14.0)
+    assert ins.place(true, 5.0, 20.0) is None
 
 
 def test_the_ins_of_the_core_board_aligns_only_after_a_frame_has_switched_it_on() -> None:

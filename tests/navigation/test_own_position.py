@@ -6,17 +6,32 @@ import math
 from dataclasses import replace
 from random import Random
 
+import numpy as np
 import pytest
 
+from links.simulated.sea import Sea
+from links.simulated.settings import Settings
+from mission.authoring.prepare import prepare_text
 from mission.model import Estimate, NavigationMode, Position
 from mission.model.shipped import load_vehicle
 from mission.navigation import LocalFrame, Navigation
 from mission.navigation.distribution import around_95
+from mission.verification.simulation.flight import fly
+from mission.verification.simulation.flightlog import Sample
 from protocol.messages import Fix, Telemetry
 
 HOME = Position(30.2874595, 120.1535765)
 FRAME = LocalFrame(HOME)
 AFLOAT, UNDER = 60, 600  # s
+DIVE = """mission dive vehicle coreboard
+home 30.2874595 120.1535765
+safety radius 900 time 40min depth 20 voltage 12
+assume current 0.2
+wait: surface until fix timeout 1min
+dive: depth 4 heading 90 gear 4 until depth >= 3.7 timeout 90s
+out: depth 4 heading 90 gear 4 for 5min
+up: surface until fix timeout 3min
+"""
 
 
 def reckoned(depth: float, current: float = 0.0, *, told: bool = True) -> Estimate:
@@ -77,3 +92,25 @@ def test_a_receiver_that_speaks_five_times_a_second_is_no_surer_than_one_that_sp
         assert estimate is not None
         radius[hertz] = around_95(estimate.covariance)
     assert radius[5] == pytest.approx(radius[1], rel=0.05)
+
+
+@pytest.mark.proof
+def test_after_five_minutes_of_a_core_boards_dive_the_ellipse_is_as_wide_as_the_errors() -> None:
+    """Through the bytes of a board whose own position drifts; NEES of 8 flights, by chi square."""
+    ready, total = prepare_text(DIVE, "dive"), 0.0
+    for seed in range(8):
+        rng = Random(seed)
+        sea = Sea(current=(rng.uniform(0.0, 0.25), rng.uniform(0.0, 2.0 * math.pi)))
+        flight = fly(ready.mission, ready.vehicle, seed=seed, settings=Settings(sea=sea))
+        dive = next(leg for leg in flight.legs if leg.name == "out")
+        last = [sample for sample in flight.samples if sample.t < dive.left][-1]
+        assert last.estimate.fix_age > 300.0
+        total += nees(last)
+    assert 5.1 < total < 34.3, "99 % of what 16 degrees of freedom give"
+
+
+def nees(sample: Sample) -> float:
+    e, true = sample.estimate, sample.true
+    nn, ne, ee = e.covariance
+    off = np.array([e.north - true.north, e.east - true.east])
+    return float(off @ np.linalg.solve(np.array([[nn, ne], [ne, ee]]), off))

@@ -15,7 +15,8 @@ from contracts import keep
 
 from links.simulated.board_faults import LINE, OF_BOARDS
 from links.simulated.boards import BOARDS
-from links.simulated.firmware.boards import Place, WaterBoard
+from links.simulated.firmware.boards import WaterBoard
+from links.simulated.firmware.ins import Place
 from links.simulated.firmware.stm32 import level_pwm
 from links.simulated.plant import NEUTRAL_PWM, Plant
 from mission.analysis.replay.replay import replay

@@ -21,6 +21,7 @@ from random import Random
 from typing import Any
 
 from links.simulated.firmware.controllers import dive_gear, turn_gear
+from links.simulated.firmware.ins import Ins, Place
 from links.simulated.firmware.stm32 import GEAR_MAX, level_pwm
 from links.simulated.ground import Ground
 from links.simulated.plant import NEUTRAL, NEUTRAL_PWM, REAR, Body, Plant
@@ -31,15 +32,12 @@ from protocol.tolerances import Tolerances
 from protocol.vehicles import coreboard, robot, robot_outputs, rov
 from protocol.vehicles.keys import Wire
 
-ANTENNA = 0.3  # m: deeper, the INS has no GPS to align with
-ALIGNS = 3.0  # s from switching the INS on until it is aligned (assumed)
-DEPTH, _ANGLE, _HEADING, PLACE = 0.03, radians(0.3), radians(0.5), 2.0  # one sigma, m and rad
+DEPTH, _ANGLE, _HEADING = 0.03, radians(0.3), radians(0.5)  # one sigma, m and rad
 WILD = 0.0, 60.0  # m: range of wild depths
 CONTROL_V, POWER_V = 24.0, 48.0
 _FULL_RPM = 1000.0
 
 FULL_J, FLAT = 1.0e6, 0.8  # energy of a full battery; share of its voltage when it is empty
-Place = tuple[float, float]  # latitude and longitude, rad
 
 
 @dataclass(slots=True)
@@ -176,12 +174,12 @@ class CoreBoard(WaterBoard):
     def __init__(self, rng: Random, tolerances: Tolerances, wire: Wire) -> None:
         super().__init__(rng, tolerances, wire)
         self.values: Mapping[str, Any] = coreboard.NEUTRAL
-        self.powered = inf  # since when the INS has power; the switch keeps its last state
+        self._ins = Ins(rng)
         self._report = coreboard.main_to_pc(tolerances)
 
     def take(self, values: Mapping[str, Any]) -> None:
         self.values = values
-        self.powered = min(self.powered, self.heard) if values["ins_on"] else inf
+        self._ins.switch(bool(values["ins_on"]), self.heard)  # which keeps its last state
 
     def control(self, plant: Plant, now: float) -> tuple[int, ...]:
         if not self.awake(now):
@@ -195,14 +193,13 @@ class CoreBoard(WaterBoard):
 
     def report(self, plant: Plant, place: Place, now: float) -> bytes:
         roll, pitch, yaw, depth = self._pose(plant, now)
-        aligned = plant.depth <= ANTENNA and now - self.powered >= ALIGNS
-        scatter = self.rng.gauss(0.0, PLACE) / 6.4e6, self.rng.gauss(0.0, PLACE) / 6.4e6
+        own = self._ins.place(place, plant.depth, now)
         values = {
             "roll_deg": roll,
             "pitch_deg": pitch,
             "yaw_deg": yaw,
-            "lat_deg": degrees(place[0] + scatter[0]) if aligned else 0.0,
-            "lon_deg": degrees(place[1] + scatter[1] / cos(place[0])) if aligned else 0.0,
+            "lat_deg": degrees(own[0]) if own else 0.0,
+            "lon_deg": degrees(own[1]) if own else 0.0,
             "x_m": 0.0,
             "y_m": 0.0,
             "depth_m": depth,
@@ -215,7 +212,7 @@ class CoreBoard(WaterBoard):
             "power_v": self.volts(POWER_V),
             "leak": self._leak(),
             **{f"usbl{n}": 0.0 for n in range(1, 7)},
-            "ins_aligned": int(aligned),
+            "ins_aligned": int(own is not None),
             "reserved83": "00" * 4,
         }
         return self._report.encode(values)

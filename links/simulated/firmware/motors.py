@@ -11,7 +11,8 @@ from collections.abc import Mapping
 from random import Random
 from typing import Any
 
-from links.simulated.firmware.boards import Place, WaterBoard, pwms
+from links.simulated.firmware.boards import WaterBoard, pwms
+from links.simulated.firmware.ins import Place
 from links.simulated.firmware.stm32 import GEAR_MAX
 from links.simulated.plant import NEUTRAL, Plant
 from protocol.tolerances import Tolerances

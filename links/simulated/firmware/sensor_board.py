@@ -1,7 +1,7 @@
 """The sensor board of document 002 (tables 4-1 and 4-2), with the motor boards of the same body.
 
-It reports at 10 Hz. The INS aligns at the surface some seconds after it was switched on. USBL and
-DVL data are valid only while these have power. The drop weight can be released only once.
+It reports at 10 Hz. The INS (ins.py) has GPS at the surface alone. USBL and DVL data are valid only
+while these have power. The drop weight can be released only once.
 
 What does not live here: frames (protocol.vehicles.coreboard), the motor boards (motors).
 """
@@ -9,11 +9,12 @@ What does not live here: frames (protocol.vehicles.coreboard), the motor boards 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from math import cos, degrees, inf, sin
+from math import cos, degrees, sin
 from random import Random
 from typing import Any
 
-from links.simulated.firmware.boards import ALIGNS, ANTENNA, DEPTH, PLACE, POWER_V, Place
+from links.simulated.firmware.boards import DEPTH, POWER_V
+from links.simulated.firmware.ins import ANTENNA, Ins, Place
 from links.simulated.firmware.motors import MotorBoards
 from links.simulated.plant import Plant
 from protocol.framing import Frame
@@ -31,7 +32,7 @@ class SensorBoard(MotorBoards):
     def __init__(self, rng: Random, tolerances: Tolerances, wire: Wire) -> None:
         super().__init__(rng, tolerances, wire)
         self.told: Mapping[str, Any] = _OFF
-        self.powered = inf  # since when the INS has power
+        self._ins = Ins(rng)
         self.dropped = False
         self._told_framer = coreboard.LINKS[1].framer(tolerances)
         self._frame = coreboard.sensor_to_main(tolerances)
@@ -44,7 +45,7 @@ class SensorBoard(MotorBoards):
         for item in self._told_framer.receive(data, now):
             if isinstance(item, Frame):
                 self.told = item.values()
-                self.powered = min(self.powered, now) if self.told["ins"] else inf
+                self._ins.switch(bool(self.told["ins"]), now)
 
     def control(self, plant: Plant, now: float) -> tuple[int, ...]:
         if self.told["drop_weight"] and not self.dropped:
@@ -54,10 +55,11 @@ class SensorBoard(MotorBoards):
 
     def report(self, plant: Plant, place: Place, now: float) -> bytes:
         roll, pitch, yaw, depth = self._pose(plant, now)
-        aligned = plant.depth <= ANTENNA and now - self.powered >= ALIGNS
-        valid = (_GPS | _INS) * aligned + _DVL * self.told["dvl"] + _USBL * self.told["usbl"]
+        own = self._ins.place(place, plant.depth, now)
+        valid = _DVL * self.told["dvl"] + _USBL * self.told["usbl"]
+        if own:
+            valid |= _INS | (_GPS if plant.depth <= ANTENNA else 0)
         gauss = self.rng.gauss
-        north, east = gauss(0.0, PLACE) / 6.4e6, gauss(0.0, PLACE) / 6.4e6
         wet = bool(self.troubles.leak)
         digit = int(self.tolerances["leak002"])
         older = int(self.tolerances["leak23"])
@@ -86,11 +88,11 @@ class SensorBoard(MotorBoards):
             "dvl_x": plant.u if self.told["dvl"] else 0.0,
             "dvl_y": 0.0,
             "dvl_z": 0.0,
-            "lat_deg": degrees(place[0] + north) if aligned else 0.0,
-            "lon_deg": degrees(place[1] + east / cos(place[0])) if aligned else 0.0,
+            "lat_deg": degrees(own[0]) if own else 0.0,
+            "lon_deg": degrees(own[1]) if own else 0.0,
             "control_v": self.control_volts(),
             "power_v": self.volts(POWER_V),
-            "ins_aligned": int(aligned),
+            "ins_aligned": int(own is not None),
             "buf": "00" * 4,
             "valid": valid,
         }
