@@ -35,7 +35,7 @@ from mission.verification.campaign.margins import margins
 from mission.verification.campaign.story import Story
 from mission.verification.campaign.trial import Judge, known_judge, try_out
 from mission.verification.campaign.whole_flight import kinds, throughout
-from mission.verification.rig.trace import Told, Trace
+from mission.verification.rig.trace import Located, Told, Trace
 from mission.verification.rig.vehicle import flown
 
 NOT_STARTED = "not started"
@@ -46,8 +46,8 @@ ALARMED = "alarmed"  # of flights without faults (calm)
 class FlightResult:
     """The result of one flight; small, since it comes from another process.
 
-    ``digest``: a hash of all that was received, decided and sent, with its times, and of the truth
-    at the end.
+    ``digest``: a hash of what was received, decided and sent, with its times, and of the truth at
+    the end (digest_of).
     """
 
     number: int
@@ -206,11 +206,11 @@ def result_of(
 def digest_of(trial: Trace) -> str:
     """Return a hash that is the same wherever the same flight is flown.
 
-    Estimates are left out: their consequences are in the hash, and they take longest.
+    Estimates and fixes are left out: their consequences are in the hash. Estimates take longest.
     """
     found = sha256()
     for event in trial.events:
-        if not isinstance(event, Told):
+        if not isinstance(event, Located | Told):
             found.update(repr(event).encode())
     found.update(repr((trial.truth, trial.state)).encode())
     return found.hexdigest()[:16]

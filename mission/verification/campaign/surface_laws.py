@@ -19,6 +19,7 @@ from itertools import pairwise
 from mission.model import STOPPED, SURFACED, SURFACING, By
 from mission.model.regions import EMERGENCY, MANUAL
 from mission.model.vehicle import STALE_AFTER
+from mission.onboard.runtime.receivers import RECEIVERS
 from mission.verification.campaign.depth_laws import DEPTH_FAULTS
 from mission.verification.campaign.excuses import (
     NEVER_BELIEVED,
@@ -26,11 +27,13 @@ from mission.verification.campaign.excuses import (
     WANDERING,
     beside,
     lift,
-    value_of,
 )
 from mission.verification.campaign.laws import Violation
 from mission.verification.campaign.story import AGAIN, SAME, Stay, Story
 from mission.verification.rig.acts import Act
+from mission.verification.rig.trace import Done, Located
+from protocol.messages import Fix
+from protocol.nmea import NmeaDecoder
 
 UNLAWFUL = "unlawful"
 UNSENT = "unsent"
@@ -38,8 +41,7 @@ REPEATING = ("gps_stuck", "gps2_stuck", "gps_in_turn")
 _SHALLOW, _AFLOAT, _FIXED = 1.0, 4.0, 0.4  # m, in the s before; m that allow a fix
 _REPORTS = 2.0  # s between two reports
 _NEARLY = 1.2  # m: 0.8 (R7), and the sensor
-_NEW = 20.0  # s after a restart in which no place has come twice
-_FIRST_FIX = 1.5  # s from the begin of a fault to its first fix: one a second, and its time
+_PROOF = 6.0  # s for which a proof counts (R7)
 _DOUBTED = 40.0  # s
 _OVER, _NO_FIXES = 60.0, ("gps", "capsized", "listing")  # s; faults that hide fixes
 _START, _START_FREE, _CLEAR = 1.1, 2.6, 1.1  # m
@@ -88,44 +90,48 @@ def _is_told_surfaced(before: Stay, stay: Stay) -> bool:
 
 
 def _is_at_surface(story: Story, stay: Stay) -> Iterator[Violation]:
-    """Judge by 6 s of shallow depth, or by a fix: its antenna is above water for a while."""
+    """Judge by 6 s of shallow depth, or by a fix: its antenna is above water for a while.
+
+    A receiver may send places under water. One that is new to the program proves the surface if
+    nothing contradicts it then (R7).
+    """
     t = stay.begin
     told = t - _REPORTS  # the last report may be that old: nobody knows of sinking since
     shallow = story.deepest(told - _AFLOAT, told) <= _SHALLOW
     trough = story.settings.sea.waves[0]  # m: by so much less water may be over the antenna
     fixed = story.deepest(t - 2.0, t) <= _FIXED + trough
-    in_vain = lift(story.settings, story.profile, t) < SLIGHT  # pushes contradict a true depth
-    unknown = in_vain or not story.told_in(t - 6.0, t) or story.faulty(DEPTH_FAULTS, t - 20.0, t)
-    wanders = story.faulty(WANDERING, t - 20.0, t)
-    repeats = story.faulty(REPEATING, t - 20.0, t) and story.hindered(t - _NEW, t)
-    repeats = repeats or _come_round(story, t)
-    if (wanders or repeats) and story.depth(t) < _NEARLY + beside(story.settings):
-        return  # nothing contradicts fixes as at the surface
-    if wanders and unknown and _may_be_up(story, stay):
+    if shallow or fixed or story.faulty(_UNDETECTED, t - 10.0, t):
         return
-    if not (shallow or fixed) and not story.faulty(_UNDETECTED, t - 10.0, t):
-        says = (
-            f"surfaced, said {story.depth(t):.1f} m deep, {story.depth(t - _AFLOAT):.1f} m before"
-        )
-        yield Violation(UNLAWFUL, t, says)
+    new_at = _given_new_place(story, t)
+    if t - new_at <= _PROOF:
+        in_vain = lift(story.settings, story.profile, t) < SLIGHT  # pushes contradict a true depth
+        silent = not story.told_in(t - 6.0, t)
+        unknown = in_vain or silent or story.faulty(DEPTH_FAULTS, t - 20.0, t)
+        near = story.depth(new_at) < _NEARLY + beside(story.settings)
+        if near or (unknown and _may_be_up(story, stay)):
+            return
+    says = f"surfaced, said {story.depth(t):.1f} m deep, {story.depth(t - _AFLOAT):.1f} m before"
+    yield Violation(UNLAWFUL, t, says)
 
 
-def _come_round(story: Story, t: float) -> bool:
-    """Whether a receiver sends its old places for the first time since the program began.
+def _given_new_place(story: Story, t: float) -> float:
+    """Return when the program of ``t`` was last given a place that it had not been given; or -inf.
 
-    No fix has come since then, because the vehicle was under water until just before the fault. A
-    receiver looks for a place once a second. The first place after a dive comes a second after it
-    finds its antenna above water, or later. So none of the old places has come twice to this
-    program.
+    To a restarted program, old places that a receiver repeats are new once.
     """
-    booted = max((done.t for done in story.done if done.act is Act.BOOT and done.t < t), default=t)
-    for fault in story.faults(REPEATING, booted, t):
-        places = value_of(fault) if fault.name == "gps_in_turn" else 1.0
-        times = (booted, *range(math.ceil(booted), math.ceil(fault.begin) - 1))  # until then no fix
-        under = all(story.depth(at) > _FIXED + story.settings.sea.waves[0] for at in times)
-        if booted < fault.begin and under and t <= fault.begin + places + _FIRST_FIX:
-            return True
-    return False
+    decoders = {link: NmeaDecoder() for link in RECEIVERS}
+    given, new_at = set[tuple[float, float]](), -math.inf
+    for event in story.trial.events:
+        if event.t > t:
+            break
+        if isinstance(event, Done) and event.act is Act.BOOT:
+            given, new_at = set(), -math.inf
+        elif isinstance(event, Located):
+            fixes = decoders[event.link].receive(event.data, event.t)
+            places = {(fix.latitude, fix.longitude) for fix in fixes if isinstance(fix, Fix)}
+            new_at = new_at if places <= given else event.t
+            given |= places
+    return new_at
 
 
 def _is_over(story: Story, stay: Stay) -> Iterator[Violation]:

@@ -5,7 +5,8 @@
     disturbances --> boats, modem, cable, disk, power, the program itself
 
 Every simulated flight is a rig; its caller plans the disturbances and decides when it is over.
-``events`` has what the rig saw, in order. Heard and Told are kept only if the rig is ``judged``.
+``events`` has what the rig saw, in order. Heard, Located and Told are kept only if the rig is
+``judged``.
 
 What does not live here: which disturbances there are (campaign.disturbances), when a flight is over
 and its results (simulation.flight, campaign.trial), the exhaustive proof (exhaustive.world).
@@ -29,7 +30,7 @@ from mission.verification.rig.acts import BOAT, MODEM, PORT, TOPSIDE, Act, Distu
 from mission.verification.rig.lockstep import Due, LockStep
 from mission.verification.rig.program import Death, Program
 from mission.verification.rig.rehearsal import Operator
-from mission.verification.rig.trace import Done, Event, Heard, Said, Told
+from mission.verification.rig.trace import Done, Event, Heard, Located, Said, Told
 from mission.verification.rig.vehicle import Simulated
 
 RESTART = 3.0  # s until a program that died by itself is restarted
@@ -49,7 +50,7 @@ class Rig(LockStep):
     """``operator`` is on the boat and begins at ``operator_from`` s. ``radio``: s until his reply
     to an answer reaches the program. ``program`` is running already."""
 
-    judged = True  # by laws, which need all Heard and Told events
+    judged = True  # by laws, which need all Heard, Located and Told events
 
     def __init__(
         self,
@@ -155,6 +156,8 @@ class Rig(LockStep):
             return
         if self.judged and rx.link == VEHICLE:
             self.events.append(Heard(self.now, rx.data))
+        elif self.judged and rx.link in RECEIVERS:
+            self.events.append(Located(self.now, rx.link, rx.data))
         self.send(self.program.receive(rx, self.now))
 
     # --- output ----------------------------------------------------------------------------------

@@ -32,6 +32,15 @@ class Heard:
 
 
 @dataclass(frozen=True, slots=True)
+class Located:
+    """Bytes from a GPS receiver that reached the program."""
+
+    t: float
+    link: str
+    data: bytes
+
+
+@dataclass(frozen=True, slots=True)
 class Told:
     """The estimate after a report that the program accepted."""
 
@@ -47,7 +56,7 @@ class Done:
     act: Act
 
 
-Event = Said | Heard | Told | Done | Step | Tx
+Event = Said | Heard | Located | Told | Done | Step | Tx
 
 
 @dataclass(frozen=True, slots=True)

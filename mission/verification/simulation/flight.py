@@ -69,7 +69,7 @@ def fly(
 class _Flight(Rig):
     """A rig that ends with its mission, and logs the flight."""
 
-    judged = False  # no law judges it: Heard and Told would be 3600 unused events an hour
+    judged = False  # no law judges it: Heard, Located and Told would be unused
 
     def __init__(
         self, mission: Mission, sea: Simulated, program: Program, operator: Operator

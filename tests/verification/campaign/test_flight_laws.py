@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from datetime import timedelta
 from functools import partial
 from types import SimpleNamespace
 
 import pytest
 
 from links.simulated.geodesy import moved
+from links.simulated.link import START
 from links.simulated.settings import FaultEvent, Settings, parse_settings
 from mission.engine import engine
 from mission.engine.bounds import Bounds
@@ -19,6 +21,7 @@ from mission.engine.restart import begin_again
 from mission.engine.watch import Watch
 from mission.model import STOPPED, SURFACED, SURFACING, Restarted, Step, Tx
 from mission.onboard.runtime.operator_server import OperatorServer
+from mission.onboard.runtime.receivers import GPS
 from mission.onboard.runtime.runtime import VEHICLE
 from mission.onboard.runtime.situation import Situation
 from mission.verification.campaign.broken import broken
@@ -33,15 +36,16 @@ from mission.verification.campaign.scene import DOWN, X, repeated, say
 from mission.verification.campaign.status_laws import _is_alone, _is_stuck, _is_told, _is_told_up
 from mission.verification.campaign.story import Stay, Story
 from mission.verification.campaign.surface_laws import (
-    _come_round,
     _died_near,
     _froze_near,
     _is_asked_twice,
+    _is_at_surface,
 )
 from mission.verification.campaign.word_laws import _allowed
 from mission.verification.rig.acts import MODEM, TOPSIDE, Act, Disturbance
-from mission.verification.rig.trace import Done, Heard, Said
+from mission.verification.rig.trace import Done, Heard, Located, Said
 from protocol.messages import Setpoint
+from protocol.nmea import encode_gga, encode_rmc
 
 pytestmark = pytest.mark.proof  # long: make proofs
 
@@ -320,53 +324,43 @@ def test_a_depth_that_froze_near_the_surface_is_not_told_while_no_thruster_turns
 
 
 @pytest.mark.parametrize(
-    ("name", "begin", "seen", "booted", "first"),
+    ("places", "booted", "depth", "lawful"),
     [
-        ("gps_in_turn", 74.4, 0.6, 50.6, True),
-        ("gps_in_turn", 71.0, 0.6, 50.6, False),
-        ("gps_stuck", 74.4, 0.6, 50.6, True),
-        ("gps_stuck", 72.5, 0.6, 50.6, False),
-        ("gps_in_turn", 74.4, 0.3, 50.6, False),
-        ("gps_in_turn", 74.4, 0.6, None, False),
-        ("gps_in_turn", 40.0, 0.6, 50.6, False),
+        ({75: 1}, None, 1.1, True),
+        ({75: 1}, None, 1.3, False),
+        ({73: 1}, None, 1.1, True),
+        ({69: 1}, None, 1.1, False),
+        ({75: None}, None, 1.1, False),
+        ({5: 1, 6: 2, 75: 2}, None, 1.1, False),
+        ({5: 1, 6: 2, 75: 2}, 50.6, 1.1, True),
+        ({5: 1, 6: 2, 75: 2}, 75.1, 1.1, False),
+        ({60: 1, 75: 1}, 50.6, 1.1, False),
+        ({71: 1, 75: 1}, 50.6, 1.1, False),
+        ({68: 1, 69: 2, 74: 2, 75: 1}, 50.6, 1.1, False),
+        ({68: 1, 69: 2, 74: 1, 75: 3}, 50.6, 1.1, True),
     ],
 )
-def test_a_receiver_that_repeats_places_has_not_come_round_to_a_program_that_began_below(
-    name: str, begin: float, seen: float, booted: float | None, first: bool
+def test_a_place_that_the_program_was_not_given_before_proves_the_surface(
+    places: Mapping[int, int | None], booted: float | None, depth: float, lawful: bool
 ) -> None:
-    """As flight 11446 of seed 11126: killed on the way up, and two places in turn at the surface.
-    ``seen``: m, the least depth since the program began."""
+    """As flight 6897 of seed 13146: killed in a leg, and an old place comes as the vehicle comes
+    up. ``places``: at which degree, by time."""
+    events: list[Done | Located] = [] if booted is None else [Done(booted, Act.BOOT)]
+    for t, degree in places.items():
+        at = None if degree is None else math.radians(degree)
+        utc = START + timedelta(seconds=t)
+        events.append(Located(t, GPS, encode_gga(utc, at, at) + encode_rmc(utc, at, at)))
     told = SimpleNamespace(
-        done=[] if booted is None else [Done(booted, Act.BOOT)],
-        faults=lambda *_: [FaultEvent(name, begin, 90.0, 2.4)],
-        depth=lambda t: seen if t == 60.0 else 5.0,
+        trial=SimpleNamespace(events=sorted(events, key=lambda event: event.t)),
+        deepest=lambda *_: 2.0,
+        depth=lambda t: depth if t > 72.0 else 3.0,
+        faulty=lambda *_: False,
+        told_in=lambda *_: [None],
         settings=Settings(),
+        profile="documented",
     )
-    assert _come_round(told, 75.3) is first  # type: ignore[arg-type]
-
-
-@pytest.mark.parametrize(
-    ("up", "begin", "first"),
-    [
-        (464.5, 464.8, True),
-        (463.4, 464.8, True),
-        (462.9, 464.8, False),
-        (464.5, 465.0, True),
-        (462.9, 465.0, False),
-    ],
-)
-def test_no_fix_has_come_to_a_program_whose_vehicle_came_up_just_before_the_old_places(
-    up: float, begin: float, first: bool
-) -> None:
-    """As flight 18379 of seed 12944: killed in a leg, up at 464.5 s, three places in turn 0.3 s
-    later. A receiver that is up at a whole second has its first place a second later."""
-    told = SimpleNamespace(
-        done=[Done(444.2, Act.BOOT)],
-        faults=lambda *_: [FaultEvent("gps_in_turn", begin, 30.4, 3.945)],
-        depth=lambda t: 0.3 if t >= up else 5.0,
-        settings=Settings(),
-    )
-    assert _come_round(told, 466.3) is first  # type: ignore[arg-type]
+    stay = Stay(SURFACED, 75.3, 90.0, SURFACING, None)
+    assert bool(list(_is_at_surface(told, stay))) is not lawful  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize(
