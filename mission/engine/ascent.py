@@ -73,6 +73,7 @@ class Ascent:
             "_looked",
             "_overturned_at",
             "_pushes",
+            "_risen_to",
             "_shallowest",
             "_since",
             "_start_depth",
@@ -203,11 +204,18 @@ class Ascent:
     def _gains(self) -> bool:
         """Whether this turn is shallower than the one before by FALL, and than the one before that
         by twice as much: waves are about as high in each turn."""
-        least = self._shallowest
+        least = self._reached()
         return all(
             then is None or least is None or then - least >= FALL * turns
             for turns, then in enumerate(reversed(self._least), 1)
         )
+
+    def _reached(self) -> float | None:
+        """The shallowest depth of the turn: from its deepest on if the vehicle sank by a metre in
+        it, or a late depth did. From before, nothing of it was reached by this turn."""
+        start, deepest = self._start_depth, self._deepest
+        sank = start is not None and deepest is not None and deepest - start > DEEPER
+        return self._risen_to if sank else self._shallowest
 
     def _pushes_on(self, overturned: bool) -> bool:
         """Whether full thrust continues: nothing shows if it lifts, and it has turns left."""
@@ -256,7 +264,7 @@ class Ascent:
 
     def _go_on(self, now: float, depth: float | None) -> None:
         """Begin another turn of the way in use."""
-        before, least = self._deepest, (*self._least[-1:], self._shallowest)
+        before, least = self._deepest, (*self._least[-1:], self._reached())
         self._begin_turn(now, depth)
         self._before, self._least = before, least
 
@@ -265,7 +273,7 @@ class Ascent:
         self._since = self._looked = now
         self._turn = TURN if turn is None else turn
         self._longest = self._turn + WORD
-        self._start_depth = self._deepest = self._shallowest = depth
+        self._start_depth = self._deepest = self._shallowest = self._risen_to = depth
 
     def _begin_long(self, now: float, depth: float | None) -> None:
         """Begin the long turn of full thrust, for a vehicle that sank when it was let go."""
@@ -275,13 +283,16 @@ class Ascent:
     def _fallen(self, now: float, depth: float | None) -> float | None:
         """m of rise from the deepest of the turn's depths, ``LOOK`` s apart; None: not known."""
         if self._start_depth is None:
-            self._start_depth = self._deepest = self._shallowest = depth
+            self._start_depth = self._deepest = self._shallowest = self._risen_to = depth
             return None
         if depth is None or self._deepest is None or self._shallowest is None:
             return None
         if now >= self._looked + LOOK:
+            if self._risen_to is None or depth > self._deepest:
+                self._risen_to = depth
             self._looked, self._deepest = now, max(self._deepest, depth)
             self._shallowest = min(self._shallowest, depth)
+            self._risen_to = min(self._risen_to, depth)
         return self._deepest - depth
 
     def _has_led_deeper(self, depth: float | None) -> bool:

@@ -323,6 +323,15 @@ def test_of_a_depth_that_comes_late_full_thrust_is_tried_for_longer():
     assert min(depths) < 3.0
 
 
+def test_a_rise_behind_a_sinking_that_shows_late_is_kept():
+    """As flight 1499 of seed 13247: the depth is 9 s late, and the turn began less deep."""
+    ascent = begun(10.8, upward=True, sank=True)
+    for t in range(2, 62, 2):
+        depth = 10.8 + 0.37 * min(t, 14) - 0.21 * max(t - 14, 0)
+        assert not ascent.act(float(t), depth, False)
+    assert ascent.way == UPWARD
+
+
 def test_where_no_depth_tells_full_thrust_lasts_longer_each_time_it_comes_round():
     """What is heavy sinks in the turns of the others."""
     ascent, said = begun(None), [(0, UPWARD)]
