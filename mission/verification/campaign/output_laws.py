@@ -126,14 +126,21 @@ def _ordered(story: Story, output: Output, t: float) -> bool:
 
 
 def _in_vain(story: Story, t: float) -> bool:
-    """Whether an ascent has lasted for the time without a gain, or nobody could know one (R7).
+    """Whether an ascent has lasted for the time without a gain, or nobody could know one (R18).
 
-    A gain counts by the true depth, beyond the error of a reading.
+    A gain counts by the true depth, beyond the error of a reading, and only as far as reports were
+    taken: between them, and after the last one, the depth is unknown.
     """
     since = t - WITHIN
     climbs = all(s.ascends for s in story.stays if s.begin < t and s.end > since + SAME)
     unknown = story.faulty(DEPTH_FAULTS, since, t)
-    return climbs and (unknown or story.depth(since) - story.depth(t) < GAINS + _ERROR)
+    return climbs and (unknown or _gain(story, since, t) < GAINS + _ERROR)
+
+
+def _gain(story: Story, since: float, t: float) -> float:
+    """Return how far the vehicle rose by its reports, m; one of before counts until it is stale."""
+    told = [report.t for report in story.told_in(since - story.vehicle.stale_after, t)]
+    return story.depth(max(told[0], since)) - story.depth(told[-1]) if told else 0.0
 
 
 def _differs(level: float, safe: float) -> bool:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from types import SimpleNamespace
 from typing import cast
@@ -112,11 +112,27 @@ def test_a_drop_weight_is_let_go_by_an_operator_or_not_at_all(
     assert {violation.kind for violation in judged("mainboard", mixed)} == kinds
 
 
-@pytest.mark.parametrize(("frozen", "kinds"), [(True, []), (False, [UNLAWFUL])])
+@pytest.mark.parametrize(
+    ("frozen", "told", "kinds"),
+    [
+        (True, range(20, 160), []),
+        (False, range(20, 160), [UNLAWFUL]),
+        (False, (), []),
+        (False, (20, 28), []),
+        (False, range(20, 40), []),
+        (False, range(120, 160), [UNLAWFUL]),
+        (False, range(140, 160), []),
+        (False, (30, 149), [UNLAWFUL]),
+    ],
+)
 def test_an_ascent_that_rose_lets_a_weight_go_only_where_nobody_could_know_it(
-    frozen: bool, kinds: list[str]
+    frozen: bool, told: Sequence[float], kinds: list[str]
 ) -> None:
-    """From 12 m to 3 m in its 120 s; without a believed depth that is no gain (R18)."""
+    """From 12 m to 3 m in its 120 s; without a believed depth that is no gain (R18).
+
+    ``told``: when reports were taken. As flight 29 of the main board's seed 301: a board that was
+    silent for the whole ascent.
+    """
     board = main_to_sensor(Tolerances())
     names = (f.name for f in board.fields if isinstance(f, Number))
     values = dict.fromkeys(names, 0) | {"drop_weight": 1, "passthrough": "00" * 16}
@@ -126,6 +142,7 @@ def test_an_ascent_that_rose_lets_a_weight_go_only_where_nobody_could_know_it(
         stays=(SimpleNamespace(state="emergency/surfacing", begin=20.0, end=200.0, ascends=True),),
         said=(),
         depth=lambda t: 14.25 - 0.075 * t,
+        told_in=lambda begin, end: [SimpleNamespace(t=t) for t in told if begin < t < end],
         faulty=lambda _names, begin, end: frozen and begin < end,
         hindered=lambda _begin, _end: True,
     )
