@@ -292,9 +292,21 @@ def _no_depths(story: Story) -> Iterator[tuple[FaultEvent, float]]:
 
 
 def _may_be_told(story: Story, fault: FaultEvent, begin: float, end: float) -> bool:
-    """Whether the fault can be known: a frozen depth only while a thruster turns (R5)."""
-    turns = all(r.may_turn for r in story.reports if begin <= r.t <= end)
+    """Whether the fault can be known: a frozen depth only while a thruster turns (R5).
+
+    If reports do not show the thrusters, the last command to the vehicle counts (R7).
+    """
+    told = [r for r in story.reports if begin <= r.t <= end]
+    shown = any(r.pwm for r in told)
+    turns = all(r.may_turn for r in told) and (shown or not _is_stopped(story, begin, end))
     return turns or fault.name != "depth_frozen"
+
+
+def _is_stopped(story: Story, begin: float, end: float) -> bool:
+    """Whether the command in force at ``begin``, or a later one until ``end``, is a stop."""
+    said = [(step.t, found[-1]) for step in story.steps if (found := commands_of(step))]
+    before = [command for t, command in said if t <= begin][-1:]
+    return Order.STOP in (*before, *(command for t, command in said if begin < t <= end))
 
 
 def _clogged(story: Story, flight: list[Stay]) -> Iterator[Violation]:

@@ -30,7 +30,12 @@ from mission.verification.campaign.draw import Drawn, Plan, stage
 from mission.verification.campaign.faults import fly_plan, result_of, shipped, subjects
 from mission.verification.campaign.laws import Span, _ranges
 from mission.verification.campaign.leg_laws import waits
-from mission.verification.campaign.limit_laws import _BY_REPORT, _by_report, _one_unanswered
+from mission.verification.campaign.limit_laws import (
+    _BY_REPORT,
+    _blind,
+    _by_report,
+    _one_unanswered,
+)
 from mission.verification.campaign.reports import Report
 from mission.verification.campaign.scene import DOWN, X, repeated, say
 from mission.verification.campaign.status_laws import _is_alone, _is_stuck, _is_told, _is_told_up
@@ -539,3 +544,33 @@ def test_a_w_belongs_to_no_set_whose_words_are_counted(
         hindered=lambda begin, end: False,
     )
     assert bool(list(_one_unanswered(told, 0.0, 400.0))) is unanswered  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("shows", "said", "unanswered"),
+    [
+        (True, [(20.0, "everything stopped: off")], True),
+        (False, [(20.0, "emergency surfacing: up")], True),
+        (False, [(20.0, "everything stopped: off")], False),
+        (False, [(20.0, "emergency surfacing: up"), (62.0, "everything stopped: off")], False),
+        (False, [(20.0, "everything stopped: off"), (59.0, "surge 1 depth 6: on")], True),
+        (False, [(20.0, "surge 1 depth 6: on"), (81.0, "everything stopped: off")], True),
+        (False, [(20.0, "surge 1 depth 6: on"), (70.0, "output led1 0: off")], True),
+    ],
+)
+def test_a_depth_that_froze_is_not_told_while_thrusters_that_are_not_shown_are_stopped(
+    shows: bool, said: Sequence[tuple[float, str]], unanswered: bool
+) -> None:
+    """As flight 79 of the main board's seed 301: it froze in the turn that lets go, 8 m deep."""
+    thrust = (1800.0,) * 5 if shows else ()
+    told = SimpleNamespace(
+        settings=Settings(faults=(FaultEvent("depth_frozen", 60.0, 30.0),)),
+        profile="documented",
+        depth=lambda t: 8.0,
+        faults=lambda names, begin, end: ["it alone"],
+        told_in=lambda begin, end: range(20),
+        reports=[Report(t, 0.0, 0.0, 0.0, 8.0, thrust) for t in range(0, 100, 2)],
+        steps=[SimpleNamespace(t=t, actions=(words,)) for t, words in said],
+        hindered=lambda begin, end: False,
+    )
+    assert bool(list(_blind(told, 40.0, 100.0))) is unanswered  # type: ignore[arg-type]
