@@ -34,6 +34,7 @@ _SAME = 5  # identical reports that make a sensor frozen (design: readings are t
 _MOSTLY, _WORST = 3, 6  # score of bad reports: from here on none is believed; the greatest
 _STANDS = 7.0  # s of them: a board may send 50 times a second what its sensor measures twice
 _AGREE, _AGREE_FOR = 3, 1.0  # reports, and s, that agree and overrule the rate limit
+_BACK = 12.0  # s: a value that returns within that time was wrong, and its way back is no leap
 _NEUTRAL = 0.02  # thruster fraction below which nothing moves
 _SLOW, _GPS = 30.0, 5.0  # s, max age: of slow quantities; of a fix (R9)
 
@@ -82,6 +83,8 @@ class _Monitor:
     value: float = math.nan
     good_t: float = -math.inf  # of the last value that was believed
     good: float = math.nan
+    was: float = math.nan  # the last other value that was believed before that one, ...
+    was_t: float = -math.inf  # ... and when
     same: int = 0  # repeats while moving, and ...
     stood: float = 0.0  # ... s of them
     repeated: bool = False  # the last report said the same as the one before
@@ -109,7 +112,9 @@ class _Monitor:
             if self.good_t != self.t or self.good != before:  # the last one was not believed
                 near = _near(row, t - self.good_t, value, self.good)
             if not goes_on:
-                self.jumped = 0.0 if near or not math.isfinite(value) else value - self.good
+                back = t - self.was_t <= _BACK and _near(row, t - self.good_t, value, self.was)
+                leaps = not (near or back) and math.isfinite(value)
+                self.jumped = value - self.good if leaps else 0.0
             elif self.jumped:  # in reach of the old value, but nearer to the new one: not near
                 near = near and _apart(row, value, self.good) <= _apart(row, value, before)
         if self.agreeing <= 1:
@@ -121,6 +126,8 @@ class _Monitor:
             self.reason = "frozen"
         elif self._is_plausible(near):
             self.leapt = 0.0 if near else self.jumped
+            if value != self.good:
+                self.was, self.was_t = self.good, self.good_t
             self.reason, self.good_t, self.good, self.jumped = "", t, value, 0.0
             return True
         else:

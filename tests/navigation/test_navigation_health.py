@@ -191,6 +191,23 @@ def test_one_wild_value_of_a_sensor_that_is_slower_than_its_board_is_no_leap(
     assert seen.reason.startswith("contradicted: it leapt by 3")
 
 
+@pytest.mark.parametrize(
+    ("every", "repeats", "wrong"),
+    [(0.1, 5, 6.995), (0.1, 9, 6.995), (2.0, 1, 8.999), (2.0, 2, 8.999)],
+)
+def test_the_way_back_from_one_wild_value_in_reach_is_no_leap(
+    every: float, repeats: int, wrong: float
+) -> None:
+    """The value is as far as a vehicle may go until then, and goes on being repeated."""
+    health = SensorHealth(_ALL)
+    for i in range(60):
+        t, is_wild = i * every, 20 <= i < 20 + repeats
+        depth = wrong if is_wild else 5.0 - 0.002 * (i - 20)
+        health.telemetry(report(0, depth=depth)._replace(t=t))
+        assert health.of("depth", t).reason in ("", "absurd")
+    assert health.of("depth", t).valid
+
+
 def test_a_heading_through_north_is_no_leap() -> None:
     health = after(report(0, heading=6.28), report(1, heading=0.01))
     assert health.of("heading", 2.0).valid
