@@ -16,6 +16,7 @@ from mission.engine.attitude import Attitude
 from mission.engine.navigator import Navigator
 from mission.engine.standing import Standing
 from mission.engine.thrust import dives, downward, with_thrust
+from mission.engine.travel import Travel
 from mission.legs.base import Point, wrap
 from mission.model import (
     CONTRADICTED,
@@ -28,7 +29,6 @@ from mission.model import (
 )
 from mission.model.copies import copied
 from mission.model.vehicle import STALE_AFTER
-from mission.navigation.belief import EVERY, GAP
 from mission.navigation.fixes import FIX_DEPTH, HOME_OF, Receiver, home_of
 from protocol.messages import Aid, Fix, Order, Setpoint, Telemetry
 
@@ -42,8 +42,6 @@ _ESTIMATE_AGE = 2.5  # s: an older estimate is predicted to now
 FIX_AGE = 5.0  # s: an older fix does not count (R9)
 WRONG_FOR = 20.0  # s for which a wrong depth may have been believed (R5)
 _NEAR = 1.0  # m: a depth from here to the surface's 0.5 m is one on the way up
-_TRAVELS = 1.0  # m between two means over _SWELL, of a depth whose zero is wrong: not at rest
-_SWELL = 15.0  # s: waves average out
 _SAME = 1e-6  # s
 
 
@@ -73,7 +71,7 @@ class VehicleState:
         self._received_at = -math.inf  # of the last new position that is not the vehicle's own
         self.estimate: Estimate | None = None
         self.attitude = Attitude()
-        self._swell: tuple[tuple[float, float], ...] = ()  # s, m: of a depth whose zero is wrong
+        self.travel = Travel()  # of a depth whose zero is wrong
         self.believed_depth: float | None = None  # the last one that could be believed
         self._believed_at = -math.inf
         self._deep_at = -math.inf  # of the last two reports too deep for a fix, believed or not
@@ -123,7 +121,7 @@ class VehicleState:
         if report.position is not None:
             self._take_position(report, report.position)
         depth = self.depth
-        self._notice_travel(report.t, self.moving_depth if depth is None else None)
+        self.travel = self.travel.after(report.t, self.moving_depth if depth is None else None)
         if self.health("depth").reason == "frozen":  # until two changes: one may be a glitch
             self._expected, self._told = math.inf, (None, -math.inf)
         before = self._told[0] if self.lives else None
@@ -242,26 +240,8 @@ class VehicleState:
         depth = self.depth
         if depth is not None and (depth >= FIX_DEPTH or self.lives):
             return self.receiver.fresh and depth < FIX_DEPTH
-        stands = self._stands(fix.t)
+        stands = self.travel.stands(fix.t)
         return stands and self.receiver.at_surface(fix.t) and self._may_be_up(fix.t)
-
-    def _notice_travel(self, now: float, depth: float | None) -> None:
-        if depth is None:
-            self._swell = ()
-        elif not self._swell or now - self._swell[-1][0] >= EVERY:
-            kept = (sample for sample in self._swell if sample[0] >= now - 2.0 * _SWELL)
-            self._swell = (*kept, (now, depth))
-
-    def _stands(self, now: float) -> bool:
-        """Whether the depth whose zero is wrong goes neither up nor down, waves averaged out. True
-        if reports have no such depth."""
-        if not self._swell or now - self._swell[-1][0] > _SWELL:
-            return True
-        if self._swell[0][0] > now - 2.0 * _SWELL + GAP:
-            return False
-        older = [depth for t, depth in self._swell if t < now - _SWELL]
-        newer = [depth for t, depth in self._swell if t >= now - _SWELL]
-        return abs(sum(newer) / len(newer) - sum(older) / len(older)) < _TRAVELS
 
     def _may_be_up(self, now: float) -> bool:
         """Whether the ascent has lasted as long as the rise by buoyancy from its deepest start."""

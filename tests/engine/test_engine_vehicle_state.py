@@ -335,6 +335,20 @@ def test_no_fix_proves_the_surface_while_a_depth_of_which_the_zero_is_wrong_goes
     assert vehicle_state.fixed(60.0)
 
 
+@pytest.mark.parametrize("every", [1.0, 2.0])
+@pytest.mark.parametrize("turn", [10.0, 15.0, 20.0])
+def test_no_fix_proves_the_surface_while_a_depth_of_which_the_zero_is_wrong_goes_down_and_up_again(
+    turn: float, every: float
+):
+    """As flight 840 of seed 777002: let go 12 m deep, since the means of two times 15 s were alike."""
+    vehicle_state = rising_behind_a_leap()
+    for report in range(1, round(200.0 / every)):
+        t = every * report
+        told(vehicle_state, t, depth=12.0 + 0.3 * abs(t % (2.0 * turn) - turn))
+        vehicle_state.take_fix(fix(t + 0.1, north=t))
+        assert t < 30.0 or not vehicle_state.fixed(30.0)
+
+
 @pytest.mark.parametrize("every", [0.2, 2.0, 2.6])
 @pytest.mark.parametrize("period", [5.0, 10.2, 12.0])
 @pytest.mark.parametrize(("rate", "proves"), [(0.13, False), (0.02, True)])
