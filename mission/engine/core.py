@@ -265,8 +265,9 @@ class Core(Flying):
         if not kind or report is None:
             return
         self.rest.take(report.t, state.depth, DEEP_AGAIN if surfaced else DEEP)
-        unsure = state.depth is None and not state.receiver.settled(report.t)
-        self.rest.follow(report.t, state.moving_depth if unsure else None)
+        unsure = not state.receiver.settled(report.t) or state.travel.descends(report.t)
+        doubted = state.moving_depth if state.depth is None and unsure else None
+        self.rest.follow(report.t, doubted)
         stays = self.rest.stays_down() if kind == "stopped" or self.rest.unseen else ""
         why = stays if kind == "stopped" else self.rest.sinks or stays
         why = "" if state.depth is None else why  # it may be on deck by now

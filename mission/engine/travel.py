@@ -44,6 +44,13 @@ class Travel(NamedTuple):
             for newer, older in self._neighbours(now, part)
         )
 
+    def descends(self, now: float) -> bool:
+        """Whether the depth has just gone down as no depth does at the surface."""
+        if not self.samples or now - self.samples[-1][0] >= _QUARTER:
+            return False
+        latest = self._neighbours(now, _QUARTER)[:1]
+        return any(newer - older >= _TRAVELS for newer, older in latest)
+
     def _neighbours(self, now: float, part: float) -> list[tuple[float, float]]:
         """Means over parts of so many s, each with the one before; the newest first."""
         depths: list[list[float]] = [[] for _ in range(int(2.0 * _HALF / part))]

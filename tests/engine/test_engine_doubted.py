@@ -80,6 +80,24 @@ def test_a_depth_whose_zero_is_off_says_nothing_while_fixes_come_as_at_the_surfa
     assert world.state == SURFACED
 
 
+@pytest.mark.parametrize("rate", [0.2, 0.37])
+@pytest.mark.parametrize("state", STATES)
+def test_what_goes_down_as_no_depth_does_at_the_surface_is_brought_up_though_fixes_come(
+    state: str, rate: float
+):
+    """Heavy, and a receiver that makes places up: it sank to the ground with its depth showing it."""
+    world = doubted(state, 6.0)
+    for second in range(40):
+        if world.state == SURFACING:
+            break
+        world.depth += rate if second > 10 else 0.0
+        world.tell(world.fix(0.3 * math.sin(second), 0.2 * second))
+        world.wait(1.0)
+    assert world.state == SURFACING
+    assert world.commands()[-1] == UPWARD
+    assert 2.0 <= world.depth - 6.0 <= 8.0
+
+
 def test_what_goes_down_by_a_depth_whose_zero_is_off_counts_anew_behind_a_silence():
     rest = Rest(0.6)
     for second in range(60):
