@@ -4,6 +4,7 @@ The laws go by the true depth and the commands on the line, and are written from
 
     at rest    a vehicle that sinks where everything is stopped is brought up: over 2 m deep (in
                surfaced 1 m) and 0.5 m deeper than it has been, it is surfacing by the fourth report
+    told       so is a vehicle whose reports show for 40 s how it sinks, whatever their zero
     stopped    over 2 m deep, and not risen by 0.5 m in 20 s: the same
     held       a vehicle that sank out of surfaced and is brought up does not sink out of it again
     upward     whatever begins an ascent, an upward command leaves within 3 s
@@ -15,18 +16,21 @@ The laws go by the true depth and the commands on the line, and are written from
 Excuses: physics (``_liftable``), a program that is dead or stalled, a closed node AUTO, and a depth
 sensor that is not healthy, where the rule goes by the believed depth. At rest an unknown depth
 turns no thruster; when the depth is known again, the depths before do not count. A depth that came
-back with a jump is known again only when it has shown the surface (R5).
+back with a jump is known again only when it has shown the surface (R5). Until then its change alone
+counts, and only a change that no drift at the surface makes, since fixes may come (R7).
 """
 
 from __future__ import annotations
 
+import bisect
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from itertools import compress, pairwise
 
 from mission.model import STOPPED, SURFACED, SURFACING, Tx
 from mission.verification.campaign.excuses import LIFT_WORD, value_of
 from mission.verification.campaign.laws import Violation
+from mission.verification.campaign.reports import Report
 from mission.verification.campaign.story import (
     DOWN_WORD,
     STOP_WORD,
@@ -47,6 +51,9 @@ _REPORTS = 3  # two in a row, and one that noise may cost
 _STALE = 9.0  # s without a report: counting restarts
 _GROUND = 1.0  # m above the ground: the vehicle lies on it
 _RISE = 22, 0.3  # s and m: less than 0.5 m in 20 s, by reports that come every 2 s
+_STEPS, _STEP_S = 4, 10.0  # means of so many s: waves average out
+_EVEN = 2.5, 12.5  # m from each mean to the next: 0.25 m/s, and what no body exceeds (R5)
+_HEALED = 20.0  # s before: a depth that leaps is contradicted and followed by then (R5)
 _NEVER_RISEN = 70.0  # s: at least two such times fit, whenever they begin
 _FALL = 10, 0.05  # s and m: no way makes the depth fall
 _FIRST = 3.0  # s until an upward command has left: three tries, and the X0 before U12
@@ -77,6 +84,8 @@ def depth_laws(story: Story) -> Iterator[Violation]:
     for stay in story.stays:
         if stay.rests and stay.state != STOPPED:
             yield from _sinks_from_rest(story, stay)
+        if stay.rests:
+            yield from _sinks_in_reports(story, stay)
         if stay.state == STOPPED:
             yield from _stays_down(story, stay)
         if stay.state == SURFACING:
@@ -113,6 +122,42 @@ def _sinks_from_rest(story: Story, stay: Stay) -> Iterator[Violation]:
         if seen > _REPORTS:
             yield Violation(SUNK, told.t, f"sinks in {stay.state}, {depth:.1f} m deep: no response")
             return
+
+
+def _sinks_in_reports(story: Story, stay: Stay) -> Iterator[Violation]:
+    """The zero of the depth may be contradicted. It moves as the vehicle does, and no depth goes
+    down so fast at the surface: fixes that come meanwhile are made up (R7)."""
+    lasts = _STEPS * _STEP_S
+    for begin in range(math.ceil(stay.begin), int(min(stay.end, story.end) - lasts)):
+        t, end = float(begin), begin + lasts
+        sinks = story.depth(end) - story.depth(t) >= (_STEPS - 1) * _EVEN[0]
+        if not (sinks and _reads_evenly(story.reports, t)):
+            continue
+        healed = not any(
+            t - _HEALED <= at <= end
+            for fault in story.settings.faults
+            if fault.name.startswith(DEPTH_FAULTS)
+            for at in (fault.begin, fault_ends(fault))
+        )
+        stops = any(t <= s.t <= end and STOP_WORD in s.data for s in story.said)
+        if healed and not (stops or story.hindered(t, end) or story.auto_closed(t, end)):
+            says = f"sinks in {stay.state}, {story.depth(end):.1f} m deep, as its reports show"
+            yield Violation(SUNK, end, f"{says}: no response")
+            return
+
+
+def _reads_evenly(reports: Sequence[Report], begin: float) -> bool:
+    """Whether the reported depth goes down evenly from ``begin`` on, in all steps."""
+    means = list[float]()
+    for step in range(_STEPS):
+        since = begin + step * _STEP_S
+        low, high = (
+            bisect.bisect_left(reports, at, key=lambda report: report.t)
+            for at in (since, since + _STEP_S)
+        )
+        depths = [report.depth for report in reports[low:high]]
+        means.append(sum(depths) / len(depths) if len(depths) > _REPORTS else math.nan)
+    return all(_EVEN[0] <= after - before <= _EVEN[1] for before, after in pairwise(means))
 
 
 def _stays_down(story: Story, stay: Stay) -> Iterator[Violation]:

@@ -83,10 +83,11 @@ def _allowed(settings: Settings, profile: str, trial: Trace) -> float:
     Physics: a vehicle stays down that no command its board obeys can lift. An order: a vehicle that
     sinks while AUTO is closed is not brought up (nor in idle over a restart, where fixes spoke
     against it); nothing ends the dive of a board that waits for U12; a vehicle stays down that
-    sinks at rest with a depth that is not believed, or was not from the begin (R7). Knowledge: two
-    of three ways push a vehicle down that lies upside down while nothing shows it. A heavy vehicle
-    whose sensor cannot show a rise has its thrusters for a third to two thirds of the time. Physics
-    promises that this brings it up only where nothing else is wrong with what thrusters do.
+    sinks at rest with a depth that is not believed, or was not from the begin (R7). Reports that
+    showed the sinking all the same are judged by depth_laws. Knowledge: two of three ways push a
+    vehicle down that lies upside down while nothing shows it. A heavy vehicle whose sensor cannot
+    show a rise has its thrusters for a third to two thirds of the time. Physics promises that this
+    brings it up only where nothing else is wrong with what thrusters do.
     """
     floats, lifted = net(settings, NEVER), lift(settings, profile, NEVER)
     rests = not trial.state.startswith(AUTONOMOUS) and trial.state != SURFACING

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from datetime import timedelta
@@ -18,6 +19,7 @@ from mission.engine import engine
 from mission.engine.bounds import Bounds
 from mission.engine.core import Core
 from mission.engine.restart import begin_again
+from mission.engine.travel import Travel
 from mission.engine.watch import Watch
 from mission.model import STOPPED, SURFACED, SURFACING, Restarted, Step, Tx
 from mission.onboard.runtime.operator_server import OperatorServer
@@ -123,6 +125,22 @@ def test_a_port_that_clogs_at_rest_hides_no_water_that_comes_in_where_the_ground
     assert fly_plan(plan, plan.vehicle).track[-1].depth < 1.0
     monkeypatch.setattr("mission.engine.core.NEARS_GROUND", "said by nobody")
     assert fly_plan(plan, plan.vehicle).track[-1].depth > 20.0
+
+
+@pytest.mark.replaces
+def test_a_vehicle_whose_reports_show_how_it_sinks_is_missed_though_their_zero_has_leapt(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """R7, at rest: it was up, and sank to the ground behind flight 840 of seed 777002. The leap
+    excused it, and at its end, too."""
+    always = "heavy=48.7@47.8+1000000", "deaf_to_w@47.8+1000000", "gps_wanders@6+1000000"
+    plan = faulty("heavy_and_wandering", *always, "depth_too_deep=5@70+1000000")
+    stopped = Drawn("", 0.0, (say(47.8, b"@ZAX0$"),))
+    plan = replace(plan, profile="as-built", incidents=(stopped,))
+    assert judged(plan) == []
+    monkeypatch.setattr(Travel, "descends", lambda travel, now: False)
+    (found,) = judged(plan)
+    assert re.fullmatch(r"sunk: sinks in emergency/surfaced, .* m deep, as .* no response", found)
 
 
 def test_one_word_that_legs_say_minutes_apart_without_an_answer_ends_no_mission() -> None:
