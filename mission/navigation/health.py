@@ -34,7 +34,7 @@ _SAME = 5  # identical reports that make a sensor frozen (design: readings are t
 _MOSTLY, _WORST = 3, 6  # score of bad reports: from here on none is believed; the greatest
 _STANDS = 7.0  # s of them: a board may send 50 times a second what its sensor measures twice
 _AGREE, _AGREE_FOR = 3, 1.0  # reports, and s, that agree and overrule the rate limit
-_BACK = 12.0  # s: a value that returns within that time was wrong, and its way back is no leap
+_BACK, _GOES_ON = 5.0, 0.25  # s, share of the rate: a return so soon and so near is no leap
 _NEUTRAL = 0.02  # thruster fraction below which nothing moves
 _SLOW, _GPS = 30.0, 5.0  # s, max age: of slow quantities; of a fix (R9)
 
@@ -112,8 +112,7 @@ class _Monitor:
             if self.good_t != self.t or self.good != before:  # the last one was not believed
                 near = _near(row, t - self.good_t, value, self.good)
             if not goes_on:
-                back = t - self.was_t <= _BACK and _near(row, t - self.good_t, value, self.was)
-                leaps = not (near or back) and math.isfinite(value)
+                leaps = not near and math.isfinite(value) and not self._returns(row, t, value)
                 self.jumped = value - self.good if leaps else 0.0
             elif self.jumped:  # in reach of the old value, but nearer to the new one: not near
                 near = near and _apart(row, value, self.good) <= _apart(row, value, before)
@@ -133,6 +132,12 @@ class _Monitor:
         else:
             self._is_absurd(row)
         return False
+
+    def _returns(self, row: Channel, t: float, value: float) -> bool:
+        """Whether the value follows the one before that which is believed: that one was wrong."""
+        since = t - self.was_t
+        within = _GOES_ON * row.rate * max(since, 1.0)
+        return since <= _BACK and _apart(row, value, self.was) <= within
 
     def _is_absurd(self, row: Channel) -> None:
         self.reason = "absurd"
