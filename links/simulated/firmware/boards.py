@@ -179,7 +179,7 @@ class CoreBoard(WaterBoard):
 
     def take(self, values: Mapping[str, Any]) -> None:
         self.values = values
-        self._ins.switch(bool(values["ins_on"]), self.heard)  # which keeps its last state
+        self._ins.switch(bool(values["ins_on"]), self.heard)  # it keeps its last state
 
     def control(self, plant: Plant, now: float) -> tuple[int, ...]:
         if not self.awake(now):

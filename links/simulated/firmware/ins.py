@@ -6,14 +6,15 @@ velocity that stays the same for a dive.
 
 from __future__ import annotations
 
-from math import cos, inf
+from math import inf
 from random import Random
 
-ANTENNA = 0.3  # m: deeper, it has no GPS
+from links.simulated.firmware.gps import ANTENNA
+from links.simulated.geodesy import moved
+
 ALIGNS = 3.0  # s from switching it on until it is aligned (assumed)
 PLACE = 2.0  # m, one sigma of GPS along an axis
 DRIFT = 0.08  # m/s, one sigma along an axis (assumed): 95 % drift less than 0.2 m/s
-_EARTH = 6.4e6  # m
 Place = tuple[float, float]  # latitude and longitude, rad
 
 
@@ -41,7 +42,7 @@ class Ins:
             return None
         since = now - self._corrected
         north, east = (e + since * v for e, v in zip(self._error, self._drift, strict=True))
-        return true[0] + north / _EARTH, true[1] + east / _EARTH / cos(true[0])
+        return moved(*true, north, east)
 
     def _drawn(self, sigma: float) -> tuple[float, float]:
         return self._rng.gauss(0.0, sigma), self._rng.gauss(0.0, sigma)

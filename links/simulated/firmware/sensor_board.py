@@ -14,7 +14,8 @@ from random import Random
 from typing import Any
 
 from links.simulated.firmware.boards import DEPTH, POWER_V
-from links.simulated.firmware.ins import ANTENNA, Ins, Place
+from links.simulated.firmware.gps import ANTENNA
+from links.simulated.firmware.ins import Ins, Place
 from links.simulated.firmware.motors import MotorBoards
 from links.simulated.plant import Plant
 from protocol.framing import Frame
